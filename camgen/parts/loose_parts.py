@@ -268,12 +268,29 @@ def _loose(
         room, link = room_under(first, there)
         props = (room,) if room > RESTS else ()
         high = f"a rod or block {room:.4g} mm high" if props else thickness_gauge(room)
-        high = f"{high} on {link}, which must not move" if link else high
+        high = (
+            f"{high} on {link}, which must not move"
+            if link
+            else f"{high}{_end_below(first, room, there)}"
+        )
         on = f", on {high}" if props or (link and room > SAME_POINT) else ""
         rest = f"; it stays loose until {steps}"
         tools = gauge_tools(room) if on and not props else ()
         doing = Doing("stand ", f"{WHAT} upright{below}{down}{on}", rest, tools, props)
     return Place(f"loose until {until}", (doing,))
+
+
+def _end_below(pin: StandingCopy, room: float, there: Sequence[StandingCopy]) -> str:
+    """On the end of which pin of its line a prop stands that leaves so much room, mm, under a pin; "" where on none."""
+    foot = min(each.low for each in pin.outlines) - room
+    ends = (
+        f" on the end of {'the lower ' * (other.part is pin.part)}{other.part.name}"
+        for other in there
+        if other.part.role == "pin" and room > RESTS
+        for each in other.outlines
+        if each.in_line(pin.outlines[0]) and abs(each.high - foot) < SAME_POINT
+    )
+    return next(ends, "")
 
 
 def _prop(

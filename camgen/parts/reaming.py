@@ -89,6 +89,7 @@ def with_gluing(
     which = " what has no key" if _joined(copies, fixing, "keyed and glued") else ""
     said = [f"in all steps glue{which} with {glue(metal)}, a trace only"]
     pins = {copy.part.name for copy in copies if copy.part.role == "pin"}
+    said += [_DEGREASED] if metal else []
     said += [_OUT_OF_BALLS] if metal and pins & fixing.journals else []
     hung = any(copy.part.name in pins and copy.mount.flipped for copy in copies)
     said += [_OUT_OF_JOINTS] if hung and not metal else []
@@ -181,6 +182,11 @@ _SWING = (
 )
 
 
+# Parts of metal come oiled, and some go through greased bores before they are glued.
+_DEGREASED = (
+    "Degrease each bore, pin and end of a shaft before it is glued, once more after it went through a greased bore, and let it dry. "
+    "Leave each joint alone until the compound is hard"
+)
 # Of a pin that goes through a ball bearing before it is glued.
 _OUT_OF_BALLS = "Where a pin goes through a ball bearing, put it in the hole under that alone, none on the pin: it would run into the balls"
 _SLOW = f"Where a step names {TWO_PART}, use that alone, and let it get hard before anything there is moved"

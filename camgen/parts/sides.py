@@ -286,7 +286,11 @@ def _taker(far: Assembly, shaft: str) -> tuple[str, str]:
 def _greased(step: Step) -> Step:
     """A spacer that no shaft holds, and that would slip where its side is turned over, stuck where it lies."""
     doings = [
-        replace(each, rest=f"{each.rest}, stuck there with a dot of grease", needs=("grease",))
+        replace(
+            each,
+            rest=f"{each.rest}, stuck there with a dot of grease on its rim, none in its bore",
+            needs=("grease",),
+        )
         if step.small and each.verb == "put " and " over " in each.thing
         else each
         for each in step.doings

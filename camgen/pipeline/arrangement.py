@@ -42,7 +42,7 @@ from camgen.parts.shafts import OF_SHAFT
 from camgen.parts.step_words import TWO_PART
 from camgen.pipeline.assembly_list import items_of
 from camgen.pipeline.bought_shapes import Thing, bought_shapes, is_drawn_short, washers_on
-from camgen.pipeline.comings import coming_of, comings_of, is_from_behind
+from camgen.pipeline.comings import after_what_is_nearer, coming_of, comings_of, is_from_behind
 from camgen.pipeline.shopping import bought_things, steps_of_assembly
 from camgen.pipeline.shown import coarse
 from camgen.study import Table
@@ -125,15 +125,19 @@ def arrangement_of(mechanism: Mechanism, listed: Table) -> Arrangement:
         copies = _copies(mechanism, line, comings)
     made = tuple(copies)
     items = []
+    bought = list[tuple[int, bool, Bought, Thing, Coming]]()
     for item, thing in items_of(mechanism, listed):
         short = thing is not None and is_drawn_short(assembly, thing)
         for shape in drawn.get(thing, []) if thing else []:
             assert thing is not None, "it is drawn"
             coming = coming_of(thing, shape, made, steps)
-            copies += _of_thing(item.number, shape, line, short, thing, coming)
+            bought.append((item.number, short, thing, shape, coming))
         used = item.what in _USED
         why = "drawn short" if short else "in the steps" if used else "not drawn"
         items.append(replace(item, heights=[why]))
+    comes = after_what_is_nearer([(shape, coming) for *_, shape, coming in bought])
+    for (item_number, short, thing, shape, _), coming in zip(bought, comes, strict=True):
+        copies += _of_thing(item_number, shape, line, short, thing, coming)
     reaches = _reaches(copies)
     plane = _mirror(reaches)
     items = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from camgen.study import Table
 _ABOVE = (0.0, 0.0, -1.0)  # the way of what comes from above
 _BELOW = (0.0, 0.0, 1.0)
 _RECTANGLE = 5  # points of its closed outline
+_NEAR = 0.01  # mm, by which neighbours may lie in each other
 _AFTER = 0.5  # of a step, by which what comes with it comes after the parts
 
 
@@ -66,6 +68,33 @@ def coming_of(thing: Bought, shape: Thing, made: Sequence[Copy], steps: Table) -
             order = float(row)
     way = _way(thing, shape, body, [part for part, _ in touched], [part for part, _ in parts])
     return Coming(order, way, apart)
+
+
+def after_what_is_nearer(things: Sequence[tuple[Thing, Coming]]) -> list[Coming]:
+    """When things that are bought come, each after all that it would bar the way: that it is beyond of, on the way on which both come.
+    Rings on either side of a bearing have one row in the steps."""
+    bodies = [Body(0, shape, coming) for shape, coming in things]
+
+    def bars(k: int, n: int) -> bool:
+        one, other = bodies[k], bodies[n]
+        if one.coming.way != other.coming.way or not one.coming.way[2]:
+            return False
+        beyond = (
+            one.low >= other.high - _NEAR
+            if one.coming.way[2] < 0
+            else one.high <= other.low + _NEAR
+        )
+        return beyond and bool(one.plan.intersects(other.plan))
+
+    found = []
+    for k, (_, coming) in enumerate(things):
+        barred = [things[n][1].order for n in range(len(things)) if bars(k, n)]
+        found.append(
+            replace(coming, order=max(coming.order, *(order + _AFTER / 2 for order in barred)))
+            if barred
+            else coming
+        )
+    return found
 
 
 def _way(

@@ -24,6 +24,7 @@ from camgen.files.title_block import Facts
 from camgen.geometry.mesh import Mesh
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.arrangement import arrangement_of
+from camgen.pipeline.comings import after_what_is_nearer
 from camgen.pipeline.making import parts_table
 from camgen.starters import in_metal
 
@@ -371,6 +372,21 @@ def test_what_others_would_hide_is_taken_four_gaps_away() -> None:
     nut = Body(2, [(shapely.box(28, 28, 31, 31), -2.0, 0.0)], Coming(9.0, UP))
     for far, down in (((), 3.0), ((2,), 12.0)):
         assert [by[2] for by in apart([plate, nut], 3.0, far)] == [0.0, -down]
+
+
+def test_a_ring_beyond_a_bearing_comes_after_it() -> None:
+    """Two rings of one row on either side of a bearing of a later one, from above; beside it, or from below, neither waits."""
+    ring, aside = shapely.Point(0, 0).buffer(10), shapely.Point(50, 0).buffer(10)
+    down, up = Coming(1.0), Coming(1.0, UP)
+    bearing = ([(ring, 5.0, 17.0)], Coming(3.0))
+    for shape, low, coming, order in (
+        (ring, 4.0, down, 1.0),
+        (ring, 17.0, down, 3.25),
+        (aside, 17.0, down, 1.0),
+        (ring, 17.0, up, 1.0),
+    ):
+        found = after_what_is_nearer([([(shape, low, low + 1.0)], coming), bearing])
+        assert [each.order for each in found] == [order, 3.0]
 
 
 def test_what_is_hidden_is_said() -> None:

@@ -805,7 +805,10 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert dry.joins == table.steps[join].joins == "far side", "its picture has the far side too"
     assert {mate.how for mate in dry.mates} == {"free"} and "O" in {m.label for m in dry.mates}
     (slips,) = (title for title in titles if "spacer-1 over O of crank_web3" in title)
-    assert "spacer-1 over O of crank_web3, stuck there with a dot of grease." in slips
+    assert (
+        "spacer-1 over O of crank_web3, stuck there with a dot of grease on its rim, none in its bore."
+        in slips
+    )
     deep = {each.name: each for each in walker.assembly.stand_ins}["motor"]
     (plate,) = (title for title in titles if title.startswith("Lay the ground plate on the bench"))
     blocks = math.ceil(5 - min(disc[2] for disc in deep.discs))  # with room for its wires
@@ -848,6 +851,11 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert has["block"].count == 2 and has["block"].size.startswith(f"at least {blocks} mm")
     props = "7.35, 12.55, 14.55, 30, 2 × 36, 55.3 and 58.35 mm high"
     assert props in has["prop"].size and has["prop"].count == 8, "as steps name them"
+    for prop, end in (
+        ("14.55", "pin-3"),
+        ("12.55", "the lower pin-2"),
+    ):  # which end at 10 and at 14
+        assert any(f"block {prop} mm high on the end of {end};" in title for title in titles)
     used = {each.name for each in supplies(walker)}
     assert "two-part glue" in used, "on the motor's shaft"
     (filed,) = (title for title in titles if title.startswith("Cut and file"))

@@ -329,9 +329,12 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
     for name in ("knob", "roller-crank_to_table"):  # before a cap or the hand crank closes it
         (own,) = (each for each in steps if each.startswith("Put the ") and f"{name}" in each)
         assert own.endswith("Grease its bore first.")
-    bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. Grease each bush inside, and the faces round it on which something runs. "
+    bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. "
+    bushes += "The shaft must turn freely in each bush: pressing narrows them, so scrape one that is tight. "
+    bushes += "Grease each bush inside, and the faces round it on which something runs. "
     bushes += "Then put the ground plate on shaft and on shaft-table."
     assert any(bushes in each.title for each in steps_of_assembly(machine).steps)
+    assert any("once more after it went through a greased bore" in each for each in steps)
     length = "7.5 to 10 longer than the board is thick"  # 1.5 of M5, the plate's thickness
     assert f"M5, for a core hole of 4.2, such as ISO 4762, {length}" in said
     screws = machine.assembly.frame.fixings
