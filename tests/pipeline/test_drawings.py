@@ -330,7 +330,7 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
         (own,) = (each for each in steps if each.startswith("Put the ") and f"{name}" in each)
         assert own.endswith("Grease its bore first.")
     bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. "
-    bushes += "The shaft must turn freely in each bush: pressing narrows them, so scrape one that is tight. "
+    bushes += "The shaft must turn freely in each bush: pressing narrows them, so open one that is tight. "
     bushes += "Grease each bush inside, and the faces round it on which something runs. "
     bushes += "Then put the ground plate on shaft and on shaft-table."
     assert any(bushes in each.title for each in steps_of_assembly(machine).steps)

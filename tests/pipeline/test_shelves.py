@@ -147,7 +147,7 @@ SAID = {
     "drop of oil": "oil",
     "grease": "grease",
     "double-sided tape": "double-sided tape",
-    "a tape holds": "adhesive tape",
+    "a tape holds|strip of adhesive tape": "adhesive tape",
     "Write on each part": "marker",
     "Cut and file": "saw",
     "Cut and file|File or grind": "file",

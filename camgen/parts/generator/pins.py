@@ -446,7 +446,7 @@ def _bearing(layout: Layout, bearing: Bearing) -> Part:
         notes = [
             f"bush {bearing.standard} {bearing.name}, bronze {BRONZE}, pressed into the plate; drawn with its play",
             HoldingNote(
-                "the shaft must turn freely in each bush: pressing narrows them, so scrape one that is tight"
+                "the shaft must turn freely in each bush: pressing narrows them, so open one that is tight"
             ),
             HoldingNote("grease each bush inside, and the faces round it on which something runs"),
         ]
