@@ -192,16 +192,18 @@ class Processes:
 
     def __call__(self, task: Task, chunks: Iterator[Chunk]) -> Iterator[list[Row]]:
         """Rows as they are ready; FileError where a chunk's worker dies again and again."""
-        again: list[Chunk] = []
+        waiting: list[Chunk] = []  # for a pool that takes them: one that is broken takes none
         while True:
             pending: dict[Any, Chunk] = {}
             with ProcessPoolExecutor(self.jobs, initializer=end_with_parent) as pool:
                 try:
                     while True:
-                        while len(pending) < 2 * self.jobs and (
-                            chunk := again.pop() if again else next(chunks, None)
-                        ):
-                            pending[pool.submit(_judge_chunk, task, chunk)] = chunk
+                        while len(pending) < 2 * self.jobs:
+                            waiting = waiting or [*islice(chunks, 1)]
+                            if not waiting:
+                                break
+                            future = pool.submit(_judge_chunk, task, waiting[-1])
+                            pending[future] = waiting.pop()
                         if not pending:
                             return
                         for future in wait(pending, return_when=FIRST_COMPLETED).done:
@@ -209,11 +211,11 @@ class Processes:
                             del pending[future]
                             yield rows
                 except BrokenProcessPool:
-                    again += pending.values()
+                    waiting += pending.values()
                 except BaseException:
                     pool.shutdown(cancel_futures=True)
                     raise
-            for chunk in again:
+            for chunk in pending.values():
                 self._tries[chunk[0]] += 1
                 if self._tries[chunk[0]] >= _TRIES:
                     message = f"a worker died {_TRIES} times at variants {chunk[0]} to {chunk[-1]}"
