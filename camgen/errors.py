@@ -124,9 +124,7 @@ class Fault:
             return printable(f"{place}: {known}")
         found = f": {self.value} -" if self.value else " -"
         expected = f"expected {self.expected}" if self.value else self.expected
-        if (
-            self.nearest and len(self.expected) > LONG_LIST
-        ):  # what is near, before all that there is
+        if self.nearest and len(self.expected) > LONG_LIST:  # what is near comes first
             return printable(f"{place}{found} did you mean '{self.nearest}'? {expected}")
         hint = f" (did you mean '{self.nearest}'?)" if self.nearest else ""
         return printable(f"{place}{found} {expected}{hint}")

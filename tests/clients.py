@@ -32,6 +32,7 @@ from browser import chromium, without_webgl
 
 from camgen.files.stl import read_stl
 from camgen.geometry.mesh import slice_mesh
+from camgen.parts.bench_steps import _KINDS
 
 ROOT = Path(__file__).resolve().parent.parent
 ENVIRONMENT = os.environ | {"LC_ALL": "C.UTF-8", "QT_QPA_PLATFORM": "offscreen"}
@@ -785,7 +786,7 @@ def test_names_of_what_is_put_together_are_in_the_picture(tmp_path: Path) -> Non
     with tab() as page:
         page.show(next(tmp_path.rglob("report.html")), 1200, 900)
         names = page.run(NAMES)
-    assert len(names) >= 8 and all(inside for _, inside in names), names
+    assert len(names) == _KINDS and all(inside for _, inside in names), names
 
 
 def test_a_browser_without_webgl_shows_pictures_of_steps(tmp_path: Path) -> None:

@@ -79,7 +79,9 @@ def _whole(points: Points, tolerance: float) -> Floats:
     """
     table = np.array(points, float).reshape(-1, 2)
     if len(table) < _LEAST_ROWS:
-        raise SpecError([Fault(("points",), counted(len(table), "row"), f"at least {_LEAST_ROWS}")])
+        raise SpecError(
+            [Fault(("points",), counted(len(table), "row"), f"at least {_LEAST_ROWS} rows")]
+        )
     faults = [
         Fault(("points", int(k)), f"{table[k, 0]:g}", f"an angle greater than {table[k - 1, 0]:g}")
         for k in np.flatnonzero(~(np.diff(table[:, 0]) > 0)) + 1

@@ -416,7 +416,7 @@ def table_law(points: Sequence[tuple[float, float]], source: str, rest: bool = T
 
     table = np.array(points, float).reshape(-1, 2)
     if len(table) < 4:
-        raise SpecError([Fault(("points",), counted(len(table), "row"), "at least 4")])
+        raise SpecError([Fault(("points",), counted(len(table), "row"), "at least 4 rows")])
     faults = []
     if table[-1, 1] == table[0, 1]:
         faults.append(

@@ -409,7 +409,8 @@ def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[
 
 def _fitted(spring: WorkingSpring, stem: float) -> str:
     """Where a spring to be wound goes, and how long it is there; stem: that round which it presses, mm."""
-    where, length = _BESIDE + ", stretched", spring.shortest
     if spring.spring.stretches < 0:
-        where, length = _ROUND_STEM.format(stem), spring.longest
-    return f"{where} to {length:.4g} while the follower is lowest"
+        where = f"{_ROUND_STEM.format(stem)} to {spring.longest:.4g}"
+    else:
+        where = f"{_BESIDE}, stretched to {spring.shortest:.4g}"
+    return f"{where} while the follower is lowest"

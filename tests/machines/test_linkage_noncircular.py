@@ -97,7 +97,7 @@ def test_both_wheels_lie_on_one_level_with_their_teeth_in_each_other() -> None:
         (
             {"eccentricity": None, "points": [[0, 0], [90, 80], [180, 180]]},
             ("noncircular", 0, "points"),
-            "at least 8",
+            "at least 8 rows",
         ),
         (
             {

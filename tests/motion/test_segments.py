@@ -250,7 +250,7 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
         (
             (RISE.replace('"3-4-5"', '{ name = "table", points = [] }'), DWELL, BACK),
             "segment.0.law.points",
-            "0 rows | at least 4",
+            "0 rows | at least 4 rows",
         ),
         (
             (
@@ -259,7 +259,7 @@ def test_a_dwell_without_a_span_takes_the_rest() -> None:
                 BACK,
             ),
             "segment.0.law.points",
-            "0 rows in a.csv | at least 4",
+            "0 rows in a.csv | at least 4 rows",
         ),
         (
             (RISE.replace('"3-4-5"', '{ name = "fourier", sines = ["a"] }'), DWELL, BACK),

@@ -232,9 +232,8 @@ def least_base_radius(
     def on(radius: float) -> DiscCam[Any]:
         return replace(cam, follower=follower.on_base(radius))
 
-    if (
-        low > high
-    ):  # an arm and a pivot's distance of which one is a thousandth of the other, or less
+    # of an arm and a pivot's distance one is a thousandth of the other, or less
+    if low > high:
         raise DesignError(
             "radius of the pitch circle",
             low,

@@ -122,7 +122,8 @@ class _Motor:
         theta = self.run.theta
         worst = int(np.argmax(np.abs(self.needed)))
         rate = float(abs(self.drive.law(theta, 1)[worst] * self.run.machine.speed))
-        rpm, given = f"{rate * 60 / math.tau:.6g} rpm", max(0.0, motor.torque(rate))
+        rpm = f"{rate * 60 / math.tau:.6g} rpm"
+        given = max(0.0, motor.torque(rate))
         friction = (
             "with the friction of all joints"
             if np.any(self.needed != self.smooth)
