@@ -626,7 +626,9 @@
       };
       if (what === "part") put(parts[number], new THREE.Matrix4(), false);
       if (what === "plate") lying.plates[number].forEach(([k, ...m]) => put(parts[k], new THREE.Matrix4().set(...m, 0, 0, 0, 1), false));
-      const own = what === "part" ? letters(lying.parts[number]).map(([label, , at]) => [label, new THREE.Vector3(...at)]) : [];
+      // words, as of a gauge's holes, find no room here
+      const brief = what === "part" ? letters(lying.parts[number]).filter(([label]) => label.length < 4) : [];
+      const own = brief.map(([label, , at]) => [label, new THREE.Vector3(...at)]);
       if (what === "step") own.push(...step(scene, lying.steps, Number(number), put, reach));
       const view = Object.assign(eye(lain()), { aspect: 320 / 220 });
       look(view, reach, seen(what === "step" ? lying.steps[number] : { way: -1 }));
