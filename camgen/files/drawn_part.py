@@ -71,15 +71,14 @@ class DrawnPart:
             facts.position > 0 and len([hole for _, hole in self.named if hole.radius]) > 1
         )
         others = [each for k, each in enumerate(part.layers) if k != part.drawn_layer]
-        covered = [each for each in others if part.side_profile and each.z1 <= part.drawn.z0]
-        holes = set(part.region.holes)
-        hidden = [
-            c for each in covered for c in (each.region.outer, *each.region.holes) if c not in holes
-        ]
-        self.hidden = [fit_arcs(contour, tolerance) for contour in hidden] + views.plan_bores(
-            part, tolerance
-        )
-        self.above = _contours([each for each in others if each not in covered], tolerance)
+        self.above = list[Contour]()
+        self.hidden = views.plan_bores(part, tolerance)
+        for layer in others:
+            for contour in (layer.region.outer, *layer.region.holes):
+                if not views.behind(part, layer, contour, tolerance):
+                    self.above.append(fit_arcs(contour, tolerance))
+                elif contour not in part.region.holes:
+                    self.hidden.append(fit_arcs(contour, tolerance))
         self.beyond = (
             []
             if part.side_profile is None

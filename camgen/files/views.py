@@ -76,6 +76,18 @@ def from_above(part: Part, profile: Region, tolerance: float) -> list[Contour]:
 # ---- hidden edges ----------------------------------------------------------------------------------------------------
 
 
+def behind(part: Part, layer: Layer, contour: Contour, tolerance: float) -> bool:
+    """Whether the view along z shows nothing of a layer's contour: it lies in the material over it, or the part is crossed and its
+    drawn layer is over it."""
+    if part.side_profile is not None:
+        return layer.z1 <= part.drawn.z0
+    import shapely
+
+    over = [area(each.region, tolerance) for each in part.layers if each.z0 >= layer.z1]
+    material = shapely.union_all(over).buffer(-2 * tolerance)  # an edge of both is seen
+    return bool(material.contains(shapely.LinearRing(corners(contour, tolerance))))
+
+
 def _span(region: Region, x: float, tolerance: float) -> tuple[float, float]:
     """From where to where a region reaches on the upright line at x."""
     import shapely

@@ -100,6 +100,26 @@ def disc(radius, shift=0.0):
     )
 
 
+@pytest.mark.parametrize("drawn", [1, 2])
+def test_a_recess_in_the_far_face_is_dashed(tmp_path, drawn):
+    """A plate of 60 x 30 x 5 seen from z = 5: of two holes of 3.4 one has its recess of 6.2 in the lower face, below 3.15 of
+    material, the other in the upper one, where both circles are seen; whichever layer a laser cuts."""
+    edge = polygon([-30 - 15j, 30 - 15j, 30 + 15j, -30 + 15j])
+    heights = ((0, 1.85, (3.1, 1.7)), (1.85, 3.15, (1.7, 1.7)), (3.15, 5, (1.7, 3.1)))
+    layers = tuple(
+        Layer(Region(edge, (circle(-15, below), circle(15, above))), z0, z1)
+        for z0, z1, (below, above) in heights
+    )
+    part = Part("plate", "Plate", layers, centres=(0j,), drawn_layer=drawn)
+    path, _ = write_drawing(tmp_path, "d", part, TOLERANCE, META)
+    circles = ezdxf.readfile(path).modelspace().query("CIRCLE")
+    lines = {(e.dxf.layer, round(e.dxf.center.x, 6), round(e.dxf.radius, 6)) for e in circles}
+    seen = {each[1:] for each in lines if each[0] != "HIDDEN"}
+    dashed = {each[1:] for each in lines if each[0] == "HIDDEN"}
+    assert seen == {(-15, 1.7), (15, 1.7), (15, 3.1)}
+    assert dashed == {(-15, 3.1)}
+
+
 @pytest.mark.parametrize("part", [cam(), hub()], ids=lambda p: p.name)
 def test_dxf_has_the_part_at_its_own_size(tmp_path, part):
     dxf, pdf = write_drawing(tmp_path, "demo", part, TOLERANCE, META)
