@@ -25,7 +25,7 @@ from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
 from camgen.findings import Finding
 from camgen.live.gallery import Gallery, cards, usable
 from camgen.live.numbers import numbers, overrides, write
-from camgen.live.operations import FILE_NAME, NAMED_FILE, ROWS, applied, moved
+from camgen.live.operations import FILE_NAME, GROUND, NAMED_FILE, ROWS, applied, moved
 from camgen.live.preview import failure, preview
 from camgen.live.server import Answer, LastBuild, asset, served
 from camgen.machines import load
@@ -42,6 +42,13 @@ if TYPE_CHECKING:
 
 _MOST_UNDONE = 500
 _GAPS = "closes at PERCENT % of the angles of its drive: the others are drawn as gaps"
+# What a sheet has to have, in the order in which one draws, each with what to do where it has none.
+_TO_DRAW = {
+    "links": "Take Link, press on the paper where a link begins and drag to where it ends",
+    "ground": "Take Ground and click the points that stand still",
+    "drive": "Take Drive and click the link that drives",
+    "output": "Take Output and click the point whose path you want, or a link whose motion you want",
+}
 _EMPTY = """# Drawn with camgen explore.
 
 mechanism = "linkage"
@@ -182,12 +189,16 @@ class Board:
 
     def preview(self, request: Answer) -> Answer:
         """The report's page of what is drawn, by what needs no file."""
+        if wanted := _wanted(_sheet(self.tables)):
+            return _unfinished(wanted)
         with self.lock:
             tables = opened_tables(self.tables, self.folder)
         return preview(tables, "sheet", self.folder, [], request.get("quick") is True)
 
     def build(self, _request: Answer) -> Answer:
         """All files of what is drawn."""
+        if wanted := _wanted(_sheet(self.tables)):
+            return _unfinished(wanted)
         with self.lock:
             made = self._linkage(self.tables, shown=False)
         return self.last_build.build([], made)
@@ -282,11 +293,13 @@ class Board:
 
     def _seen(self) -> Answer:
         """All that the page shows of the text."""
+        sheet = _sheet(self.tables)
         return Answer(
             ok=not self.faults and not self.reason,
             verdict="",
             errors=[],
-            sheet=_sheet(self.tables),
+            sheet=sheet,
+            wanted=_wanted(sheet),
             faults=_told(self.faults),
             file="new sheet" if self.spec is None else self.spec.name,
             undo=bool(self.past),
@@ -385,6 +398,18 @@ def _sheet(tables: reading.Data) -> Answer:
         "drive": _drive(tables).get("link", _drive(tables).get("slide", "")),
         **rows,
     }
+
+
+def _wanted(sheet: Answer) -> str:
+    """What to draw next, in the words of the page; "" where all is there that a machine has."""
+    links = sheet["links"]
+    there = {**sheet, "links": links.keys() - {GROUND}, "ground": links.get(GROUND)}
+    return next((words for part, words in _TO_DRAW.items() if not there[part]), "")
+
+
+def _unfinished(wanted: str) -> Answer:
+    """The answer where there is no machine yet, and nothing is wrong."""
+    return Answer(ok=False, wanted=wanted, verdict=wanted, errors=[])
 
 
 def _drive(tables: reading.Data) -> reading.Data:

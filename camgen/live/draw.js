@@ -217,21 +217,14 @@ function draw(seen) {
     byId("redo").disabled = !seen.redo;
     byId("save").disabled = !seen.changed;
     byId("text").textContent = seen.text;
-    const wish = wanted();
-    tell({ ok: seen.ok, open: Boolean(wish), verdict: wish || seen.verdict || (seen.faults.length ? "not a machine yet"
+    tell({ ok: seen.ok, wanted: seen.wanted, verdict: seen.verdict || seen.wanted || (seen.faults.length ? "not a machine yet"
       : seen.reason ? "does not move as wanted" : "closes over its whole turn"),
-      errors: wish ? [] : [...seen.faults.map(fault => fault.text), ...(seen.reason ? [seen.reason] : [])] }, "");
+      errors: seen.wanted ? [] : [...seen.faults.map(fault => fault.text), ...(seen.reason ? [seen.reason] : [])] }, "");
     document.querySelector("h1").textContent = seen.file;
     panel();
     if (!byId("stage").hidden && news) report();
     if (news) rest();
     else grey();
-  }
-
-  function wanted() {  // what a sheet lacks to be a machine
-    const sheet = seen.sheet;
-    return !moving().length ? "Draw a link" : !ground().length ? "Choose the points that stand still (Ground)"
-      : !sheet.drive ? "Choose the link that drives (Drive)" : !sheet.output.length ? "Choose an output (Output)" : "";
   }
 
   async function rested() {
@@ -327,6 +320,7 @@ function draw(seen) {
 
   function missed(event) {  // what to say of a press on nothing that the tool takes
     const at = places(), here = onPaper(event);
+    if (!moving().length) return seen.wanted;
     const [far, name] = Object.keys(at).map(point => [distance(at[point], here) * scale, point]).sort((a, b) => a[0] - b[0])[0] || [Infinity];
     const taken = { move: "A point", ground: "A point", slot: "A point" }[tool] || "A point or a link";
     return far > 60 ? `${taken} has to be under the press.` : `${taken} has to be under the press: the nearest point, ${name}, is ${Math.round(far)} px away.`;
@@ -461,7 +455,7 @@ function draw(seen) {
     }))];
     if (key === "link") for (const [a, b, held] of lengths(seen.sheet.links[name] || [])) {
       const value = held ? held[1] : short(distance(places()[a], places()[b]));
-      rows.push(line(`${a}-${b}`, input("text", value, made => commit({ op: "length", between: [a, b], value: Number(made.value) })),
+      rows.push(line(`${a}-${b}`, input("text", value, made => commit({ op: "length", between: [a, b], value: isFinite(made.value) && made.value.trim() ? Number(made.value) : made.value })),
         input("checkbox", Boolean(held), () => lock(a, b)), "held"));
     }
     const button = (label, op) => {
@@ -496,7 +490,7 @@ function draw(seen) {
   async function report() {
     const answer = await ask("preview", { quick: false });
     show(frame => { frame.srcdoc = answer.page || noReport(answer); });
-    tell(answer, "by the limits of the design, before any file is made");
+    tell(answer, answer.wanted ? "" : "by the limits of the design, before any file is made");
   }
 
   function noReport(answer) {  // why there is none

@@ -38,7 +38,7 @@ function carry(from, to) {
 const seconds = ms => (ms < 9500 ? (ms / 1000).toFixed(1) : Math.round(ms / 1000)) + " s";
 
 function tell(answer, took) {
-  byId("said").className = !answer.ok ? "bad" : answer.open ? "open" : "ok";
+  byId("said").className = answer.wanted ? "wanted" : !answer.ok ? "bad" : answer.open ? "open" : "ok";
   byId("verdict").textContent = answer.verdict;
   byId("took").textContent = took;
   byId("errors").replaceChildren(...answer.errors.map(error => {

@@ -17,7 +17,8 @@ from camgen.motion.laws import LAWS
 from camgen.schemas import Data, members_of, shortened, step_below
 
 _MOST = 12  # numbers of a list that get a slider each; longer lists are tables of points
-_PLAIN = re.compile(r"[\w+. -]{1,100}")  # a number or a word: no table, which could name a file
+_PLAIN = re.compile(r"[\w+., -]{1,100}")  # a number or a word: no table, which could name a file
+_COORDINATE = re.compile(r"points\.(.+)\.([01])")
 # Of units for either kind of follower the one of a follower that slides (False) or swings (True).
 _UNITS: dict[tuple[str, bool | None], str] = {
     ("mm or deg", False): "mm",
@@ -30,6 +31,10 @@ _UNITS: dict[tuple[str, bool | None], str] = {
     ("N s/mm or N m s/rad", True): "N m s/rad",
 }
 _AT_ZERO = {"deg": 30.0}  # how far a slider goes from 0, by unit; else 10
+
+
+class Refusal(SpecError):
+    """What a page asked for and cannot be done; the spec stays as it was."""
 
 
 @dataclass(frozen=True)
@@ -125,28 +130,55 @@ def _slider(value: float, kind: Data, unit: str) -> tuple[float, float, float]:
 
 
 def overrides(settings: object, numbers: Sequence[Number]) -> list[str]:
-    """Settings that a page sends, {key: text}, as those of `--set`; SpecError for keys that are none of the known ones, and for
+    """Settings that a page sends, {key: text}, as those of `--set`; Refusal for keys that are none of the known ones, and for
     values that are no number and none of the words to choose from."""
-    names = {number.key: number.choices for number in numbers}
-    if not isinstance(settings, Mapping) or len(settings) > len(names):
-        raise SpecError(
-            [Fault(("settings",), "", f"a table of at most {len(names)} keys and values")], "page"
+    known = {number.key: number for number in numbers}
+    if not isinstance(settings, Mapping) or len(settings) > len(known):
+        raise Refusal(
+            [Fault(("settings",), "", f"a table of at most {len(known)} keys and values")], "page"
         )
     faults = list[Fault]()
     for key, text in settings.items():
-        if key not in names:
-            faults.append(specs.unknown(("settings",), shortened(str(key)), names))
-        elif not (isinstance(text, str) and _PLAIN.fullmatch(text) and text.strip()):
-            faults.append(
-                Fault(
-                    (), shortened(str(text)), "a number or a word, as a spec writes it", source=key
-                )
-            )
-        elif names[key] and text not in names[key]:
-            faults.append(Fault((), shortened(text), f"one of {', '.join(names[key])}", source=key))
+        if key not in known:
+            faults.append(specs.unknown(("settings",), shortened(str(key)), known))
+        elif right := _right(known[key], text):
+            faults.append(Fault((), shortened(str(text)), right, source=_label(key)))
     if faults:
-        raise SpecError(faults, "page")
+        raise Refusal(faults, "page")
     return [f"{key}={text}" for key, text in settings.items()]
+
+
+def _right(number: Number, text: object) -> str:
+    """What to type in place of a text; "" where it is right as it is."""
+    if not (isinstance(text, str) and _PLAIN.fullmatch(text) and text.strip()):
+        return "a number or a word, as a spec writes it"
+    if number.choices:
+        return "" if text in number.choices else f"one of {', '.join(number.choices)}"
+    if is_number(text):
+        return ""
+    return typed_number(text, f"a number, in {number.unit}" if number.unit else "a number")
+
+
+def is_number(text: str) -> bool:
+    """Whether a text is a finite number."""
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def typed_number(text: str, right: str) -> str:
+    """What to type in place of a text: with a decimal point, where it is a number with a comma; else as `right` says."""
+    pointed = text.strip().replace(",", ".")
+    if "," in text and is_number(pointed):
+        return f"a decimal point, not a comma: {pointed}"
+    return right
+
+
+def _label(key: str) -> str:
+    """A key as its line of the page calls it: a point's x or y."""
+    point = _COORDINATE.fullmatch(key)
+    return f"{point[1]} {'xy'[int(point[2])]}" if point else key
 
 
 def write(path: Path, text: str) -> None:

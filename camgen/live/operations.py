@@ -8,11 +8,13 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import count
 from typing import Any
 
 from camgen.edits import put
-from camgen.errors import Fault, SpecError
+from camgen.errors import Fault
+from camgen.live.numbers import Refusal, typed_number
 from camgen.machines.linkage.tables import pair
 from camgen.schemas import shortened
 from camgen.spec import DEVICES, unknown
@@ -44,9 +46,9 @@ _BY_LINK = ("masses", "parts", "layers", "bodies")  # tables with a key for each
 Request = Mapping[str, Any]
 
 
-def refused(key: str, value: object, right: str) -> SpecError:
+def refused(key: str, value: object, right: str) -> Refusal:
     """The refusal of a part of an operation."""
-    return SpecError([Fault((key,), shortened(str(value)), right)], "sheet")
+    return Refusal([Fault((key,), shortened(str(value)), right)], "sheet")
 
 
 def number(value: float) -> float:
@@ -65,7 +67,7 @@ class Draft:
         self._check_kinds()
 
     def _check_kinds(self) -> None:
-        """SpecError where a key that operations change holds another kind of thing, as a hand may have typed it."""
+        """Refusal where a key that operations change holds another kind of thing, as a hand may have typed it."""
         tables = {name: self.document.get(name, {}) for name in (*_TABLES, *_BY_LINK)}
         for name, table in tables.items():
             if not isinstance(table, Mapping):
@@ -127,7 +129,7 @@ class Draft:
         """A name in the request that has to be there already."""
         name = request.get(key)
         if not isinstance(name, str) or name not in names:
-            raise SpecError([unknown((key,), name, names)], "sheet")
+            raise Refusal([unknown((key,), name, names)], "sheet")
         return name
 
     def place(self, key: str, value: object) -> list[float]:
@@ -559,7 +561,8 @@ def _length(draft: Draft, request: Request) -> None:
             draft.lengths.pop(key)
         return
     if not isinstance(value, int | float) or not 1e-3 <= value <= 2 * _FAR:
-        raise refused("value", value, "a length, mm, above 0")
+        right = typed_number(str(value), f"a length in mm, above 0 and at most {2 * _FAR:g}")
+        raise refused(f"{a}-{b}", value, right)
     if not any({a, b} <= {*points} for points in draft.links.values()):
         raise refused("between", f"{a}-{b}", "two points of one link")
     if known:
@@ -591,7 +594,7 @@ def _rename(draft: Draft, request: Request) -> None:
     if request.keys().isdisjoint(("point", "link")):
         name = request.get("to")
         if not isinstance(name, str) or not FILE_NAME.fullmatch(name):
-            raise refused("to", name, NAMED_FILE)
+            raise refused("name", name, NAMED_FILE)
         put(draft.document, "name", name)
         return
     is_point = "point" in request
@@ -599,11 +602,11 @@ def _rename(draft: Draft, request: Request) -> None:
     name = draft.named(request, "point" if is_point else "link", names)
     other = request.get("to")
     if not isinstance(other, str) or not _NAME.fullmatch(other):
-        raise refused("to", other, "a name of letters, digits and _, a letter first, at most 40")
+        raise refused("name", other, "a name of letters, digits and _, a letter first, at most 40")
     if other.lower() in {each.lower() for each in (draft.points if is_point else draft.links)} - {
         name.lower()
     }:
-        raise refused("to", other, "a name that is not taken")
+        raise refused("name", other, "a name that is not taken")
     if is_point:
         _rename_point(draft, name, other)
         _rekey(draft.points, name, other)
@@ -636,15 +639,23 @@ OPERATIONS: dict[str, Callable[[Draft, Request], None]] = {
 
 
 def applied(text: str, request: Request, typed: Collection[str] = ()) -> str:
-    """The text after an operation; SpecError where it cannot be done. typed: links that keep their names."""
+    """The text after an operation; Refusal where it cannot be done. typed: links that keep their names."""
     name = request.get("op")
     if not isinstance(name, str) or name not in OPERATIONS:
-        raise SpecError([unknown(("op",), name, OPERATIONS)], "sheet")
+        raise Refusal([unknown(("op",), name, OPERATIONS)], "sheet")
     draft = Draft(text)
-    OPERATIONS[name](draft, request)
+    try:
+        OPERATIONS[name](draft, request)
+    except Refusal as error:
+        raise Refusal([_by_tool(fault, name, request) for fault in error.faults], "sheet") from None
     if name in _OF_ROLES:
         draft.name_by_role([each for each in draft.links if each not in (GROUND, *typed)])
     return draft.text()
+
+
+def _by_tool(fault: Fault, name: str, request: Request) -> Fault:
+    """A fault of a part of the request, of which nobody typed the key, under the name of the tool."""
+    return replace(fault, path=(), source=name.capitalize()) if fault.path[0] in request else fault
 
 
 def moved(tables: Mapping[str, Any], request: Request) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -28,7 +28,7 @@ from camgen.bounds import read_bytes
 from camgen.edits import edited
 from camgen.errors import CamgenError, DesignError, Fault, FileError, SpecError, explained
 from camgen.live.guard import OnlyHere
-from camgen.live.numbers import Number, numbers, overrides, write
+from camgen.live.numbers import Number, Refusal, numbers, overrides, write
 from camgen.live.preview import failure, preview
 from camgen.machines import MECHANISMS, load
 from camgen.machines.mechanism import Mechanism
@@ -96,6 +96,8 @@ class LastBuild:
 
 def reasons(error: CamgenError) -> Answer:
     """The answer that stands for an error."""
+    if isinstance(error, Refusal):
+        return failure("not taken", [str(fault) for fault in error.faults])
     if isinstance(error, SpecError):
         return failure("no valid spec", [str(fault) for fault in error.faults])
     return failure(

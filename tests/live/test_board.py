@@ -196,33 +196,43 @@ DONE: list[tuple[dict[str, Any], set[str], set[str]]] = [
     ({"op": "rename", "to": "leg-2"}, {'name = "bar"'}, {'name = "leg-2"'}),
 ]
 REFUSED: list[tuple[dict[str, Any], str]] = [
-    ({"op": "gear", "a": "crank", "b": "coupler"}, "b: coupler - expected a link that is pinned"),
+    (
+        {"op": "gear", "a": "crank", "b": "coupler"},
+        "Gear: coupler - expected a link that is pinned",
+    ),
     ({"op": "gear", "a": "crank", "b": "crank"}, "a link with another axis than crank"),
     ({"op": "cam", "cam": "coupler", "point": "B"}, "a link that is pinned to the ground"),
     ({"op": "cam", "cam": "crank", "point": "A"}, "a moving point of a link beside crank"),
     ({"op": "cam", "cam": "crank", "point": "C"}, "a moving point of a link beside crank"),
     ({}, "op"),
     ({"op": "explode"}, "op"),
-    ({"op": "move", "points": {"Z": [0, 0]}}, "points: 'Z'"),
+    ({"op": "move", "points": {"Z": [0, 0]}}, "Move: 'Z'"),
     ({"op": "move", "points": {"B": [math.nan, 0]}}, "a place [x, y]"),
     ({"op": "move", "points": {"B": [1e9, 0]}}, "at most 10000"),
     ({"op": "link", "ends": ["A"]}, "two ends"),
     ({"op": "link", "ends": ["A", "A"]}, "two different ends"),
     ({"op": "point", "link": "crnk", "at": [0, 0]}, "crank"),
-    ({"op": "ground", "point": ["O"]}, "point"),
+    ({"op": "ground", "point": ["O"]}, "Ground: "),
     ({"op": "join", "point": "A", "to": "O"}, "a point of another link"),
-    ({"op": "unpin", "point": "D"}, "point"),
+    ({"op": "unpin", "point": "D"}, "Unpin: 'D'"),
     ({"op": "slide", "point": "O", "along": [[0, 0], [1, 0]]}, "stands on the ground"),
     ({"op": "slide", "point": "B", "along": [[0, 0], [0, 0]]}, "lie apart"),
     ({"op": "slot", "point": "A", "link": "crank"}, "without A"),
     ({"op": "drive", "link": "coupler"}, "pinned to the ground"),
-    ({"op": "drive", "link": "ground"}, "link"),
+    ({"op": "drive", "link": "ground"}, "Drive: 'ground'"),
     ({"op": "length", "between": ["A", "C"], "value": 5}, "two points of one link"),
-    ({"op": "length", "between": ["A", "B"], "value": -5}, "above 0"),
-    ({"op": "delete", "link": "ground"}, "link"),
+    (
+        {"op": "length", "between": ["A", "B"], "value": -5},
+        "a length in mm, above 0",
+    ),
+    (
+        {"op": "length", "between": ["A", "B"], "value": "20,5"},
+        "a decimal point, not a comma: 20.5",
+    ),
+    ({"op": "delete", "link": "ground"}, "Delete: 'ground'"),
     ({"op": "rename", "link": "crank", "to": "no name"}, "a name of letters"),
     ({"op": "rename", "link": "crank", "to": "Rocker"}, "not taken"),
-    ({"op": "rename", "to": "../up"}, "small letters"),
+    ({"op": "rename", "to": "../up"}, "name: ../up - expected a name of small letters"),
     ({"op": "rename", "to": "con"}, "device of Windows"),
 ]
 
@@ -391,6 +401,26 @@ def test_the_page_places_points_by_itself_where_circles_do_it(tmp_path: Path) ->
     assert board(tmp_path, balanced).draw({"op": "move", "points": {}})["chain"] is None
 
 
+NEXT = (  # what a sheet lacks in the order of drawing, and what is done then
+    ("Link", {"op": "link", "ends": [[0, 0], [10, 20]]}),
+    ("Ground", {"op": "ground", "point": "O"}),
+    ("Output", {"op": "output", "point": "A"}),
+)
+
+
+def test_an_empty_sheet_says_what_to_draw_next_and_nothing_is_wrong(tmp_path: Path) -> None:
+    page = client(Board(None, tmp_path / "out"))
+    page.post("/start", json={})
+    for tool, done in NEXT:
+        for path in ("preview", "build"):
+            answer = page.post(f"/{path}", json={}).json()
+            assert f"Take {tool}" in answer["wanted"] == answer["verdict"], path
+            assert answer["errors"] == []
+        assert f"Take {tool}" in page.get("/").text
+        seen = page.post("/draw", json=done).json()
+    assert seen["wanted"] == "" and seen["ok"]
+
+
 def test_what_does_not_close_is_drawn_as_drawn(tmp_path: Path) -> None:
     drawn = board(tmp_path)
     long = drawn.draw({"op": "length", "between": ["A", "B"], "value": 500})
@@ -534,7 +564,7 @@ def test_a_build_of_what_is_drawn(tmp_path: Path) -> None:
     assert built["folder"] == str(tmp_path / "out" / "drawn") and built["errors"] == []
     assert "MOTION_ERROR" in page.get("/out/report.html").text
     page.post("/draw", json={"op": "output", "point": "B"})
-    assert "output" in page.post("/build", json={}).json()["errors"][0]
+    assert "Take Output" in page.post("/build", json={}).json()["verdict"]
     page.post("/undo", json={})
     assert 'id="mechanism"' in page.post("/preview", json={"quick": True}).json()["page"]
 

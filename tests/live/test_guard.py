@@ -24,7 +24,7 @@ from starlette.websockets import WebSocketDisconnect
 from camgen.errors import SpecError
 from camgen.live import guard
 from camgen.live import run as live
-from camgen.live.numbers import numbers, overrides, write
+from camgen.live.numbers import Number, numbers, overrides, write
 from camgen.live.server import Explorer, LastBuild, watcher
 
 HOME = "http://127.0.0.1:8000"
@@ -215,7 +215,7 @@ def test_odd_settings_are_refused_in_words(
         reply = page.post(f"/{WORD}/{path}", content=json.dumps({"settings": settings}))
         assert (
             reply.status_code == 409
-            and reply.json()["verdict"] == "no valid spec"
+            and reply.json()["verdict"] == "not taken"
             and len(reply.text) < 10_000
         )
         assert "root:" not in reply.text
@@ -231,6 +231,9 @@ def test_a_value_is_a_number_or_one_of_the_words_to_choose_from() -> None:
     for text in ("{x = 1}", "[1]", "'x'", "1 # x", " ", "a/b", "1\n"):
         with pytest.raises(SpecError, match="a number or a word"):
             overrides({"a": text}, known)
+    for text, right in (("2,5", "a decimal point, not a comma: 2.5"), ("25 mm", "a number, in mm")):
+        with pytest.raises(SpecError, match=f"A y: {text} - expected {right}"):
+            overrides({"points.A.1": text}, [Number("points.A.1", 1.0, unit="mm")])
     for wrong in ({"b": "round"}, {"a": "1", "b": "flat", "c": "1"}):
         with pytest.raises(SpecError):
             overrides(wrong, known)
