@@ -52,10 +52,21 @@ def spec_name(file: Path, other: str) -> str:
     return other if re.fullmatch(DEVICES, name or "nul") else name
 
 
+_HEADING = re.compile(r"^(#+) (.+)$", re.MULTILINE)
+
+
+def _underlined(heading: re.Match[str]) -> str:
+    """A heading as plain text has it, which Markdown reads as one too."""
+    line = "=" if heading[1] == "#" else "-"
+    return f"{heading[2]}\n{line * len(heading[2])}"
+
+
 def show(markdown: str) -> None:
-    """Print a page: laid out on a terminal, else as it is written."""
+    """Print a page: laid out on a terminal, else as it is written, its headings underlined."""
     if not sys.stdout.isatty():
-        click.echo(markdown, nl=False)
+        parts = markdown.split("```")  # every second one is code, in which # begins a comment
+        parts[::2] = [_HEADING.sub(_underlined, part) for part in parts[::2]]
+        click.echo("```".join(parts), nl=False)
         return
     from rich.console import Console
     from rich.markdown import Markdown
