@@ -9,7 +9,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from camgen.findings import Finding, NotJudged
@@ -70,7 +70,7 @@ class Headline:
     value: float
     unit: str
     finding: Finding | None = None  # that judges it
-    along: float | None = None  # direction of a stroke, deg from the x axis
+    along: Sequence[float] = ()  # directions of its strokes, deg from the x axis
 
     def said(self, shown: Callable[[float], str]) -> str:
         """Its value in words; an error that is only rounding is measured, and no bare 0; shown: a number as text."""
@@ -83,8 +83,8 @@ class Headline:
 
     def beside(self, shown: Callable[[float], str]) -> str:
         """Its limit or its direction in words; shown: a number as text."""
-        if self.along is not None:
-            return f"along {shown(round(self.along, 1))} deg"
+        if self.along:
+            return f"along {' and '.join(shown(each) for each in self.along)} deg"
         if self.finding is None or math.isnan(self.finding.limit):
             return ""
         return f"{'at least' if self.finding.floor else 'at most'} {shown(self.finding.limit)}"
@@ -147,17 +147,23 @@ def _asides(report: Report) -> str:
 
 
 def _figures(report: Report) -> Iterator[Headline]:
-    """How far the first two outputs move, a path along its largest extent, then the others that are known."""
+    """How far the first two outputs move, a path along its largest extent, then the others that are known.
+
+    Outputs that move equally far to all digits that are shown, as both wings of a bird, are one figure.
+    """
     designed = [each for each in report.numbers.records if not each.kind]
     strokes = dict[str, Figure]()
     for each in designed:
         if each.quantity in _STROKES:
             strokes.setdefault(each.of, each)
     walks = any(each.quantity == _WALK for each in designed)
-    for stroke in list(strokes.values())[: 1 if walks else 2]:
-        same = (each for each in designed if each.quantity == _ALONG and each.of == stroke.of)
-        along = next((each.value for each in same), None)
-        yield Headline(words.name(stroke), stroke.value, stroke.unit, along=along)
+    directions = {each.of: each.value for each in designed if each.quantity == _ALONG}
+    for first, *others in _equally_far([*strokes.values()][: 1 if walks else None])[:2]:
+        names = [each.of for each in (first, *others)]
+        along = dict.fromkeys(round(directions[of], 1) for of in names if of in directions)
+        name = words.name(replace(first, of=" and ".join(names)) if len(names) == 2 else first)
+        more = f" and {len(others)} more" if len(others) > 1 else ""
+        yield Headline(f"{name}{more}", first.value, first.unit, along=[*along])
     by_code: dict[str, list[Finding]] = {}
     for finding in report.findings:
         by_code.setdefault(finding.code, []).append(finding)
@@ -182,6 +188,14 @@ def _figures(report: Report) -> Iterator[Headline]:
             heavy = figure.unit == "g" and figure.value >= _HEAVY
             value, unit = (figure.value / 1000, "kg") if heavy else (figure.value, figure.unit)
             yield Headline(name, value, unit)
+
+
+def _equally_far(strokes: Sequence[Figure]) -> list[list[Figure]]:
+    """Strokes of which four digits and the unit are the same together, in their order."""
+    alike: dict[tuple[str, str, str], list[Figure]] = {}
+    for each in strokes:
+        alike.setdefault((each.quantity, f"{each.value:.4g}", each.unit), []).append(each)
+    return [*alike.values()]
 
 
 def _strained(findings: Sequence[Finding]) -> Finding | None:

@@ -95,6 +95,28 @@ def test_the_verdict_stands_first_then_what_fails_then_figures(
     assert [code in every for code in ("margin", "TRANSMISSION_ANGLE (crank angle 90 deg) holds")]
 
 
+def stroke(of: str, value: float, along: float) -> list[Figure]:
+    return [
+        Figure("{of} stroke", value, "mm", of),
+        Figure("{of} stroke along", along, "deg", of),
+    ]
+
+
+def test_outputs_that_move_equally_far_are_one_figure(capsys: pytest.CaptureFixture[str]) -> None:
+    """Both wings to all digits that are shown; beyond them a third output that moves otherwise, and several more."""
+    wings = [*stroke("left_tip", 52.19, 88.2), *stroke("right_tip", 52.189999, -88.2)]
+    print_report(Report("bird", "linkage", (), Figures([*wings, *stroke("beak", 52.18, 0.0)])))
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        "  Left tip and right tip stroke  52.19  mm  along 88.2 and -88.2 deg",
+        "  Beak stroke                    52.18  mm  along 0 deg",
+    ]
+    feet = [each for of in ("a", "b", "c") for each in stroke(of, 9.0, 8.44)]
+    print_report(Report("feet", "linkage", (), Figures(feet)))
+    assert capsys.readouterr().out.splitlines()[1:] == [
+        "  A stroke and 2 more  9  mm  along 8.4 deg"
+    ]
+
+
 def test_rounding_is_shown_as_0_but_where_it_fails(capsys: pytest.CaptureFixture[str]) -> None:
     found = (
         at_most("PIN_GAP", 2.665e-15, 0.1, "mm", Where(), ""),
