@@ -389,13 +389,20 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
     if reason == "Cannot overwrite a value" and line.startswith("[["):
         return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"
     if _TWICE.fullmatch(reason) and not line.startswith("[["):
-        first = _line_of(rf"[ \t]*\[\s*{re.escape(name)}\s*\]", above)
-        if first:
-            return f"[[{name}]], here and in line {first}, if it is a list; else [{name}] once, with all of its keys"
+        if first := _line_of(rf"[ \t]*\[\s*{re.escape(name)}\s*\]", above):
+            return f"[{name}] once: it stands in line {first} too; put all of its keys under one (rows of a list begin with [[{name}]])"
+        if first := _line_of(rf"[ \t]*\[\[\s*{re.escape(name)}\s*\]\]", above):
+            return f"[[{name}]], as in line {first}: it is a row of the same list"
     if line.startswith("[") and (
         inline := _line_of(rf"[ \t]*{re.escape(name)}\s*(?:\.|=\s*[\[{{])", above)
     ):
         return f"its keys beside those in line {inline}, where {name} begins; or all of them here"
+    if reason == "Cannot overwrite a value" and line.startswith("["):
+        table, _, key = name.rpartition(".")
+        header = re.search(rf"(?m)^[ \t]*\[\s*{re.escape(table)}\s*\]", above)
+        first = _line_of(rf"[ \t]*{re.escape(key)}\s*=", above, header.end() if header else 0)
+        if first:
+            return f"a table of another name, or no {key} in line {first}, where it is a value"
     if reason == "Cannot overwrite a value":
         key = line.partition("=")[0].strip()
         start = max((header.start() for header in _HEADER.finditer(above)), default=0)

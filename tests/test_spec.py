@@ -255,7 +255,7 @@ def test_syntax_fault_has_line_and_column(
         ("rows = [{ kind = rise, lift = 12 }]", 'quotes round text: "rise"'),
         (
             "[shape]",
-            "[[shape]], here and in line 1, if it is a list; else [shape] once, with all of its keys",
+            "[shape] once: it stands in line 1 too; put all of its keys under one (rows of a list begin with [[shape]])",
         ),
         ("side = \u201cleft\u201d", 'straight quotes: "..."'),
         (
@@ -283,7 +283,15 @@ def test_a_key_that_stands_twice_is_told_with_its_first_line(tmp_path: Path) -> 
     "text, said",
     [
         ("side = 1\nat = [\n  [1, 2],\n]\nside = 2", "side once: it stands in line 1 too"),
-        ("side = 1\n[side]", "valid TOML: Cannot overwrite a value"),
+        (
+            "side = 1\n[side]",
+            "a table of another name, or no side in line 1, where it is a value",
+        ),
+        (
+            "left = 0\n[shape]\nleft = 1\n[shape.left]",
+            "a table of another name, or no left in line 3, where it is a value",
+        ),
+        ("[[side]]\n[side]", "[[side]], as in line 1: it is a row of the same list"),
         ("side.left = 1\nside = 2", "valid TOML: Cannot overwrite a value"),
         (
             "side.left = 1\n[side]",
@@ -299,7 +307,7 @@ def test_a_line_is_named_only_where_the_key_stands(tmp_path: Path, text: str, sa
     """Rows of a list are no tables; a key that stands in another form is in no line by its name."""
     path = tmp_path / "s.toml"
     path.write_text(text)
-    with pytest.raises(SpecError, match=f"expected {said}$"):
+    with pytest.raises(SpecError, match=f"expected {re.escape(said)}$"):
         read(path)
 
 
