@@ -410,7 +410,7 @@ def data_frame(columns: Mapping[str, Sequence[object] | Floats]) -> DataFrame:
     try:
         import pandas
     except ImportError:
-        from camgen.extras import pip_line
+        from camgen.extras import install_line
 
-        raise CamgenError(f"to_dataframe needs pandas: {pip_line('pandas')}") from None
+        raise CamgenError(f"to_dataframe needs pandas: {install_line('table')}") from None
     return pandas.DataFrame(columns)

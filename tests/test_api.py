@@ -359,7 +359,7 @@ def test_what_belongs_to_a_run_prints_what_it_is() -> None:
 
 def test_without_pandas_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(camgen.CamgenError, match="pip install pandas"):
+    with pytest.raises(camgen.CamgenError, match=r"needs pandas: .*pip install .+\[table\]"):
         camgen.load(LINKAGE).solve([0.0]).to_dataframe()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 import shutil
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,16 @@ def test_two_commands_set_up_then_build_and_test() -> None:
     assert build == COMMANDS[0]
     assert build == f"{SET_UP} . && .venv/bin/camgen build specs/walking-leg.toml"
     assert test == f"{SET_UP} -e '.[test]' && .venv/bin/pytest -q -n auto --dist loadfile"
+
+
+def test_every_extra_stands_in_the_readme_with_what_it_is_for() -> None:
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    shown = dict(re.findall(r'^pip install "\.\[(\w+)\]" +(\S.*)$', README, re.MULTILINE))
+    assert shown.keys() == extras["optional-dependencies"].keys() - {"test"}
+    pandas = {
+        name for name, needs in extras["optional-dependencies"].items() if "pandas>=2.2.2" in needs
+    }
+    assert pandas == {name for name, what in shown.items() if "to_dataframe()" in what}
 
 
 def test_ci_runs_exactly_these_two() -> None:
