@@ -724,11 +724,16 @@ def _other_units(cls: type[Checked], data: Data) -> Iterator[str]:
                 and abs(value - math.radians(known)) <= 0.51 * 10.0**-decimals
             ):
                 yield f"{key} is read in degrees; {value:g} rad are {known} deg"
-        elif "mm" in unit.split() and 0 < value < _TINY and not _SMALL.search(str(path[-1])):
+        elif "mm" in unit.split() and 0 < value < _TINY and not _is_small(path):
             if 1e3 * value <= 10 * largest:
                 yield f"{key} is read in mm; {value:g} m are {1e3 * value:g} mm"
         elif unit == "kg" and value >= _MASSIVE:
             yield f"{key} is read in kg; {value:g} g are {1e-3 * value:g} kg"
+
+
+def _is_small(path: Key) -> bool:
+    """Whether a length is small by its nature, as a tolerance is, by its own name or its table's."""
+    return any(_SMALL.search(str(step)) for step in (path[0], path[-1]))
 
 
 def _numbers(tables: Any, path: Key = ()) -> Iterator[tuple[Key, float]]:
@@ -1018,7 +1023,9 @@ def _longer(name: str, keys: Sequence[str]) -> list[str]:
 
 
 _TINY = 0.05  # mm, less than any size of a part
-_SMALL = re.compile("tolerance|clearance|allowance|play|lash|kerf|error|gap|offset|step|caliper")
+_SMALL = re.compile(
+    "tolerance|clearance|allowance|play|lash|kerf|error|gap|offset|step|caliper|^drawing$"
+)
 _MASSIVE = 100.0  # kg, more than what a machine of this size moves
 _NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
 _FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")

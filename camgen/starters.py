@@ -111,6 +111,9 @@ METAL = {
         "parts.pin=dowel",
         'parts.pins={ O = "bush", C = "bush" }',
         "geneva.0.gap=1",
+        "geneva.0.clearance=0.14",  # the lock turns at the limits of all sheets
+        "drawing.profile=0.03",
+        "drawing.position=0.03",
         "geneva.0.floor=0.5",
         "geneva.0.pin_radius=5",
     ),

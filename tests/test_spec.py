@@ -1188,6 +1188,7 @@ def test_an_angle_that_looks_like_radians_is_told(root: Path, span: str, known: 
         ("segment.0.lift=0.12", None),
         ("accuracy.chord_tolerance=0.012", None),
         ("print.slide_clearance=0.02", None),
+        ("drawing.profile=0.03", None),
     ],
 )
 def test_a_number_that_looks_like_another_unit_is_told(

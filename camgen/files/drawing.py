@@ -11,6 +11,7 @@ Nothing here knows a mechanism.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -41,6 +42,7 @@ _RUN_OUT = 10.0  # more to the right of a drum's plan view, for the run-out of t
 _THIRD = 8.0  # from the plan view's dimension to the third view, and from that to what is below
 _BORE = 27.0  # to the dimension of a round bore there, past the sign of its roughness
 _SURFACE = 10.0  # room above for them
+_LINES = 20  # of notes, more than which stand in two columns where there is room
 _FRAMED = 9.0  # height of the frame of a tolerance over the notes, with air
 
 
@@ -134,14 +136,19 @@ class _Layout:
     def _room(self, size: str) -> tuple[float, float]:
         """Width and height that both views and their dimensions may take, mm."""
         width, height = SIZES[size]
-        foot = self._foot + (self.unrolled.room if self.unrolled else 0.0)
+        foot = self._foot(size) + (self.unrolled.room if self.unrolled else 0.0)
         return width - FILING - MARGIN - sum(TABLE_WIDTHS), height - 2 * MARGIN - foot
 
-    @property
-    def _foot(self) -> float:
+    def _column(self, size: str) -> int:
+        """How many lines of notes stand over each other: many fill two columns of an A3 sheet, beside no section of a track."""
+        count = len(self.notes)
+        split = count > _LINES and size == "A3" and not self.track_section
+        return math.ceil(count / 2) if split else count
+
+    def _foot(self, size: str) -> float:
         """Height of notes, title block and the section of a track beside them, mm."""
         frames = self.drawn.placed + (self.drawn.square is not None)
-        notes = 3.0 + 4.5 * len(self.notes) + _FRAMED * frames
+        notes = 3.0 + 4.5 * self._column(size) + _FRAMED * frames
         return max(BLOCK, notes, SECTION_ROOM.imag if self.track_section else 0.0)
 
     def _tracks(self) -> None:
@@ -151,7 +158,7 @@ class _Layout:
             place = corner + 3 + NOTES + 4
             self.track_section.draw(self.sheet, place, self.scale, self.drawn.facts.tolerance)
         if self.unrolled:
-            self.unrolled.draw(self.sheet, corner + 1j * self._foot)
+            self.unrolled.draw(self.sheet, corner + 1j * self._foot(self.size_name))
 
     def _choose(self) -> tuple[str, float]:
         """Sheet size and scale: A4 unless A3 spares a reduction or the tables need it."""
@@ -260,9 +267,12 @@ class _Layout:
 
     def _note_lines(self) -> None:
         """Notes at the lower left, beside the title block, upwards."""
-        for i, line in enumerate(reversed(self.notes)):
-            self.sheet.text(complex(FILING + 3, MARGIN + 3 + 4.5 * i), line, 2.5, room=NOTES)
-        corner = complex(FILING + 3.5, MARGIN + 4 + 4.5 * len(self.notes))
+        high = self._column(self.size_name)
+        for i, line in reversed([*enumerate(self.notes)]):
+            column, row = divmod(i, high)
+            place = complex(FILING + 3 + column * (NOTES + 4), MARGIN + 3 + 4.5 * (high - 1 - row))
+            self.sheet.text(place, line, 2.5, room=NOTES)
+        corner = complex(FILING + 3.5, MARGIN + 4 + 4.5 * high)
         square = self.drawn.square
         if square is not None:
             end = squareness(self.sheet, corner, square.zone, self.drawn.face_letter)

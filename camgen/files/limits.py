@@ -1,6 +1,6 @@
 """What standards allow of a size: fits of holes, general tolerances; and to how many decimals a size is written.
 
-ISO 286     standard tolerances IT and fundamental deviations of holes (of g and h those of G and H mirrored):
+ISO 286     standard tolerances IT and fundamental deviations of holes (of f, g and h those of F, G and H mirrored):
             deepri.com/technical/information/tech_iso_tolerances.html (H7, H8), zh-ss.net/?p=841 (IT6 to IT11), Ralul/TI-84, ISO-286.py (F, G, N, P), online.flippingbook.com/view/962121/282
             (JS9); shafts m6: nutbolt.org/Standards/Pin-Dowel.html, table 3 (up to 50), docs.steelcam.org/sumitomo/
             tehnicheskaya-informaciya-page28 (up to 80); shafts j6 and k6: insbearing.com/product9.htm, Shaft tolerances
@@ -23,7 +23,7 @@ _IT = {
     11: (60, 75, 90, 110, 130, 160, 190, 220, 250),
 }
 # What is nearest to the nominal size, in thousandths: the lower deviation of F, G and H, the upper one of N
-# and P from IT9 on and of a shaft g or h; the lower one of a shaft j up to IT6, k or m.
+# and P from IT9 on and of a shaft f, g or h; the lower one of a shaft j up to IT6, k or m.
 _NEAREST = {
     "C": (60, 70, 80, 95, 110),
     "D": (20, 30, 40, 50, 65, 80, 100, 120, 145),
@@ -31,6 +31,7 @@ _NEAREST = {
     "F": (6, 10, 13, 16, 20, 25, 30, 36, 43),
     "G": (2, 4, 5, 6, 7, 9, 10, 12, 14),
     "H": (0,) * 9,
+    "f": (-6, -10, -13, -16, -20, -25, -30, -36, -43),
     "g": (-2, -4, -5, -6, -7, -9, -10, -12, -14),
     "h": (0,) * 9,
     "j": (-2, -2, -2, -3, -4, -5, -7),
@@ -52,7 +53,7 @@ _FINEST = 3  # decimals
 
 
 def deviations(size: float, fit: str) -> tuple[float, float] | None:
-    """Lower and upper deviation of a hole of a fit such as "H7", or of a shaft "g6", "h7", "j6", "k6" or "m6", mm; None beyond 180 mm, of j, k
+    """Lower and upper deviation of a hole of a fit such as "H7", or of a shaft "f7", "g6", "h7", "j6", "k6" or "m6", mm; None beyond 180 mm, of j, k
     and m beyond 80 mm."""
     letter = fit.rstrip("0123456789")
     grade = _IT[int(fit.removeprefix(letter))]
@@ -65,7 +66,7 @@ def deviations(size: float, fit: str) -> tuple[float, float] | None:
     if k >= len(_NEAREST[letter]):
         return None
     nearest = _NEAREST[letter][k] / 1000
-    return (nearest - width, nearest) if letter in "NPgh" else (nearest, nearest + width)
+    return (nearest - width, nearest) if letter in "NPfgh" else (nearest, nearest + width)
 
 
 def signed(value: float) -> str:

@@ -11,7 +11,7 @@ from camgen.files.dimensions import STACK, flat_of, free, number, round_of
 from camgen.files.drawn_part import DrawnPart
 from camgen.files.page import FILING, MARGIN, SIZES
 from camgen.files.sheet import Text
-from camgen.files.title_block import CORE, WIDTH
+from camgen.files.title_block import CORE, WIDTH, LockLimits
 from camgen.geometry.arcs import as_circle
 from camgen.parts.keyways import keyed
 from camgen.parts.part import SizeNote
@@ -66,6 +66,7 @@ def notes_of(drawn: DrawnPart, own_sheets: int) -> list[str]:
     if drawn.riders:
         lines.append("Dashed: the follower at cam angle 0; s: the way in which it rises")
     lines += _shop_notes(drawn)
+    lines += _lock_notes(drawn.facts.lock)
     turned = drawn.facts.turned_deg
     if number(turned, 1) not in ("0", "360"):
         lines.append(f"In the arrangement turned by {number(turned, 1)}°, counter-clockwise")
@@ -174,6 +175,19 @@ def _turn_notes(drawn: DrawnPart) -> list[str]:
             turn = math.degrees(turn_of_flat(around[1], flat[1]))
             return [f"On the flat of its shaft it turns at most ±{turn:.1g}°"]
     return []
+
+
+def _lock_notes(limits: LockLimits | None) -> list[str]:
+    """How a lock fits its wheel at the limits of all sheets."""
+    if limits is None:
+        return []
+    worst = f"Worst limits: {limits.least:.1g} clear of the hollows"
+    if limits.least < 0:
+        worst = f"Worst limits: binds by {-limits.least:.1g}; use a greater geneva.clearance"
+    return [
+        f"{worst}, bushes true within {limits.bush:g}",
+        f"Loosest limits: the wheel turns by {math.degrees(limits.turn):.1g}°",
+    ]
 
 
 def _rim(drawn: DrawnPart) -> str:

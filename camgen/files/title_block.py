@@ -44,6 +44,15 @@ class Groove:
 
 
 @dataclass(frozen=True)
+class LockLimits:
+    """How a lock and the hollows of its wheel fit at the limits of all sheets."""
+
+    least: float  # gap between them, mm; below 0 the lock binds
+    bush: float  # run-out of bushes on which that counts, mm
+    turn: float  # by which the wheel turns in its greatest play, from end to end, rad
+
+
+@dataclass(frozen=True)
 class Rider:
     """A follower where its cam has not turned, in the part's frame, complex mm."""
 
@@ -109,6 +118,7 @@ class Facts:
     crowned: float = 0.0  # by how much a crowned ring of that, if sold so, may be thinner, mm
     shaft: TurnedShaft | None = None  # what it is, where its sheet is that of a shaft
     groove: Groove | None = None  # of whose walls the part is one
+    lock: LockLimits | None = None  # of a Geneva wheel, if it is one
     levels: Sequence[complex] = ()  # of a plate's upper edge, on which a follower runs, mm
     cutter: bool = False  # whether a file has the path of a cutter along a drum's track
     profile: float = 0.0  # width of the zone of a cam's track, mm

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from camgen.machine.features import PinEyes
-from camgen.parts.part import Part, SizeNote
+from camgen.parts.part import ROD, Part, SizeNote
 from camgen.parts.standing import Round, Slot
 
 Fit = Literal["glue", "press", "free"]
@@ -19,8 +19,11 @@ JOINTS: tuple[Joint, ...] = ("glued", "keyed and glued", "pressed and glued", "p
 # accuracy and fit, Manuquality.aspx?cid=46&Seccid=229].
 PIN = "m6"
 JOURNAL = "g6"
-ROD = "h9"  # as it is sold
-_BY_HAND = (JOURNAL, ROD)  # never tighter than H7
+# A shaft in a bush with a seat H7 [nodeshk.com/skf/art/20021, of bushes with a layer of PTFE; lagermetall.com/bushings/tunnv_bimet_tol.asp,
+# of rolled ones: f7 or e7; of solid ones, ISO 4379, no source was opened]. Ground rods of C45 are sold so
+# [hydrauliccylindertubes.com/Chromed-Bar.html].
+IN_BUSH = "f7"
+_BY_HAND = (JOURNAL, ROD, IN_BUSH)  # never tighter than H7
 
 
 def joint_of(fit: str, key: bool = False) -> Joint:
@@ -31,8 +34,13 @@ def joint_of(fit: str, key: bool = False) -> Joint:
 
 
 def is_rod(part: Part) -> bool:
-    """Whether a part is cut of rod, which is sold as h9."""
-    return any(isinstance(note, SizeNote) for note in part.notes)
+    """Whether a part is cut of rod."""
+    return rod_fit(part) != ""
+
+
+def rod_fit(part: Part) -> str:
+    """Fit of the rod of which a part is cut; "" of another part."""
+    return next((note.fit for note in part.notes if isinstance(note, SizeNote)), "")
 
 
 @dataclass(frozen=True)

@@ -61,19 +61,26 @@ Role = Literal[
 ]
 
 
+ROD = "h9"  # fit of a rod as it is sold
+
+
 class SizeNote(str):
-    """A note that says of what stock a part is cut, such as "rod 6 h9", how long, mm, and how at the bench; "" as any other."""
+    """A note that says of what stock a part is cut, such as "rod 6 h9", how long, mm, how at the bench, "" as any other, and its fit."""
 
     stock: str
     length: float
     how: str
+    fit: str
 
-    def __new__(cls, text: str, stock: str = "", length: float = 0.0, how: str = "") -> SizeNote:
+    def __new__(
+        cls, text: str, stock: str = "", length: float = 0.0, how: str = "", fit: str = ROD
+    ) -> SizeNote:
         """The text, with what the parts list and the steps say of it."""
         note = super().__new__(cls, text)
         note.stock = stock
         note.length = length
         note.how = how
+        note.fit = fit
         return note
 
 

@@ -109,7 +109,7 @@ def _filed(note: SizeNote, name: str, angle: float) -> SizeNote:
         f"this half along a vice, its flat against the {jaw} jaw and the upper half, towards you, beside the jaws. File the other "
         "flat level on top, until such a part goes on there too. Some degrees more or less do no harm: one side then steps a little earlier"
     )
-    return SizeNote(note, note.stock, note.length, how)
+    return SizeNote(note, note.stock, note.length, how, note.fit)
 
 
 def _turns_over(part: Part) -> bool:

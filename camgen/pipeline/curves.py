@@ -21,7 +21,7 @@ from camgen.tolerances import SPEED_WINDOW_DEG
 
 _SPEED = "Speed"
 _ERROR = "Motion error"
-_BAND = "Worst-case free play"
+_BAND = "Free play with the sizes of the files"
 _TURNS_ON = 1.0  # deg, from end to end; what swings comes back
 
 

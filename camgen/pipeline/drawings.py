@@ -30,14 +30,15 @@ from camgen.motion.program import Program
 from camgen.parts import materials
 from camgen.parts.assembly import Assembly, cut_of_sheet
 from camgen.parts.catalogue import BUSH, CORE_HOLES, CUT, TURNED
-from camgen.parts.fixing import JOURNAL, PIN, ROD, is_rod, joint_of
+from camgen.parts.fixing import IN_BUSH, JOURNAL, PIN, is_rod, joint_of, rod_fit
 from camgen.parts.keyways import key_length, keyed
 from camgen.parts.materials import STEEL
-from camgen.parts.part import Layer, Part
+from camgen.parts.part import ROD, Layer, Part
 from camgen.parts.shafts import rod_with_keyways
 from camgen.parts.standing import Round, standing
 from camgen.parts.turned_shafts import TurnedShaft
 from camgen.pipeline.lengths import stack_allowance
+from camgen.pipeline.lock_limits import lock_limits
 from camgen.pipeline.thicknesses import thickness_allowances
 from camgen.tolerances import SAME_POINT
 
@@ -172,6 +173,9 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         crowned=_CROWNED if mechanism.load and mechanism.load.cam_follower else 0.0,
         levels=tuple(_levels(mechanism, part)),
         groove=_groove(mechanism.assembly, part),
+        lock=lock_limits(mechanism.assembly, part, (profile, place), (bore_fit, IN_BUSH))
+        if cut
+        else None,
         cutter=part.name in mechanism.assembly.whole_drums
         and mechanism.files.cutter_radius is not None,
         profile=profile,
@@ -651,7 +655,7 @@ def _outer_fit(mechanism: Mechanism, part: Part) -> str:
         return ""
     if part.name in _pins(mechanism):
         return _pins(mechanism)[part.name][1]
-    return ROD if is_rod(part) or part.name in _rollers(mechanism) else ""
+    return rod_fit(part) or (ROD if part.name in _rollers(mechanism) else "")
 
 
 def _pins(mechanism: Mechanism) -> dict[str, tuple[float, str]]:
@@ -731,13 +735,9 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
     thread = mechanism.assembly.thread
     metal = materials.of(mechanism.material.name).metal
     shafts = [shaft for other, rounds in outlines.items() if other != part.name for shaft in rounds]
-    rods = [
-        shaft
-        for other in mechanism.assembly.parts
-        if is_rod(other)
-        for shaft in outlines[other.name]
-    ]
-    pins = [(shaft, fit) for name, (_, fit) in _pins(mechanism).items() for shaft in outlines[name]]
+    held = {each.name: rod_fit(each) for each in mechanism.assembly.parts if is_rod(each)}
+    held |= {name: fit for name, (_, fit) in _pins(mechanism).items()}
+    shanks = [(shaft, fit) for name, fit in held.items() for shaft in outlines[name]]
     rings = [shaft for ring in _rings(mechanism.assembly) for shaft in outlines[ring.name]]
     holes = set[tuple[complex, float]]()
     for layer in part.layers:
@@ -766,15 +766,13 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                     holes.add((place, radius))
                     words = f"{word} on Ø{number(sizes[0])}"
                     if word == "press" and seat and not clearance:
-                        words = _held(
-                            bores, (rods, pins), words, sizes[0], keyed(contour) is not None
-                        )
+                        words = _held(bores, shanks, words, sizes[0], keyed(contour) is not None)
                         usual = bool(play) and not mechanism.drawing.seat_fit
                         own, words = _seat(part, words, borne, seat, usual)
                         words = f"{in_limits(own, 2 * radius)}, {words}"
                     nominal = 0.0
                     if word == "slide" and play:
-                        on = _fit_inside(bores, (rods, pins))
+                        on = _fit_inside(bores, shanks)
                         own = _running_fit(sizes[0], clearance, on)
                         nominal = sizes[0] if own else 0.0
                         words = f"{own or play}, {words} {on}".rstrip()
@@ -805,24 +803,19 @@ def _seat(part: Part, words: str, borne: bool, seat: str, usual: bool) -> tuple[
 
 def _held(
     bores: Sequence[Round],
-    held: tuple[Sequence[Round], Sequence[tuple[Round, str]]],
+    held: Sequence[tuple[Round, str]],
     words: str,
     size: float,
     key: bool,
 ) -> str:
-    """Words of a hole in which something of so much is fixed, mm; held: rods, and pins with their fits; key: whether it has a keyway."""
+    """Words of a hole in which something of so much is fixed, mm; held: rods and pins with their fits; key: whether it has a keyway."""
     fit = _fit_inside(bores, held)
     return f"{joint_of(fit, key)} on Ø{number(size)} {fit}" if fit else words
 
 
-def _fit_inside(
-    bores: Sequence[Round], held: tuple[Sequence[Round], Sequence[tuple[Round, str]]]
-) -> str:
+def _fit_inside(bores: Sequence[Round], held: Sequence[tuple[Round, str]]) -> str:
     """Fit of what goes through a hole, "" where none is known; held: as in `_held`."""
-    rods, pins = held
-    fits = [ROD for rod in rods if any(bore.holds(rod) for bore in bores)]
-    fits += [fit for pin, fit in pins if any(bore.holds(pin) for bore in bores)]
-    return next(iter(fits), "")
+    return next((fit for shank, fit in held if any(bore.holds(shank) for bore in bores)), "")
 
 
 def _running_fit(size: float, clearance: float, on: str) -> str:

@@ -21,6 +21,13 @@ def test_holes_begin_at_their_size(fit: str) -> None:
         assert deviations(float(size), fit) == pytest.approx((0.0, upper / 1000))
 
 
+def test_shafts_that_turn_in_bushes() -> None:
+    """f7 in thousandths [nodeshk.com/skf/art/20021.html, limits of shafts]."""
+    published = {6.0: (-22, -10), 10.0: (-28, -13), 14.0: (-34, -16), 24.0: (-41, -20)}
+    for size, limits in published.items():
+        assert deviations(size, "f7") == pytest.approx(tuple(each / 1000 for each in limits))
+
+
 def test_shafts_that_go_in_by_hand() -> None:
     """g6 in thousandths [insbearing.com/product9.htm, shaft tolerances]."""
     published = {6.0: (-12, -4), 10.0: (-14, -5), 14.0: (-17, -6), 24.0: (-20, -7), 40.0: (-25, -9)}

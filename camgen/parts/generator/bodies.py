@@ -613,7 +613,7 @@ class Bodies:
             title,
             layers,
             centres=(0j,),
-            notes=(*s.rod(below + top, place), said),
+            notes=(*s.rod(below + top, place, self.layout.rod_fit(link)), said),
             process=s.shafts_made,
             role="shaft",
             drawn_layer=max(range(len(layers)), key=lambda k: layers[k].region == layer.region),

@@ -171,7 +171,7 @@ class GenevaDrive(EdgeDrive):
         if link == self.joint.cam:
             return (
                 f"locks on R {geneva.lock:.6g} in hollows of R {geneva.hollow:.6g}",
-                f"the pin is on R {geneva.crank:.6g}, its roller {roller}",
+                f"the pin is on R {geneva.crank:.6g}, its roller {roller}; the relief is towards it",
             )
         floor = f"{geneva.floor:.3g} or more beyond the roller"
         data = (f"for a roller of {roller}", f"the slots end {floor}")

@@ -20,7 +20,7 @@ from camgen.parts.catalogue import (
     bush_in,
     narrowest,
 )
-from camgen.parts.fixing import JOURNAL, PIN, ROD, Joint, joint_of
+from camgen.parts.fixing import IN_BUSH, JOURNAL, PIN, Joint, joint_of
 from camgen.parts.generator.changes import Change
 from camgen.parts.generator.connections import GROUND, Connections, StretchedSpring
 from camgen.parts.generator.covers import Cover, cover
@@ -28,7 +28,7 @@ from camgen.parts.generator.cycloids import CycloidDrive, CycloidWish
 from camgen.parts.generator.genevas import GenevaDrive
 from camgen.parts.generator.guides import Guide, Rails, Runner, Way, guide
 from camgen.parts.generator.wheels import Roller, Tip, naming, plate_outline
-from camgen.parts.part import d_bore
+from camgen.parts.part import ROD, d_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.parts.wheels.cycloid import OutputPins
 
@@ -102,6 +102,10 @@ class Layout(Connections):
     def on_shaft(self) -> Joint:
         """How what a shaft turns is fixed on it."""
         return joint_of(ROD, self.metal and self.sizes.shaft_key)
+
+    def rod_fit(self, link: str) -> str:
+        """Fit of the rod of which the shaft of a link is cut."""
+        return IN_BUSH if self.metal and self.kind(self.axis_of(link)) == "bush" else ROD
 
     def pin_joint(self, point: str) -> Joint:
         """How the pin of a point is fixed in its link."""

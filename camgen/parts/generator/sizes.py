@@ -27,7 +27,7 @@ from camgen.parts.catalogue import (
     in_sleeve,
 )
 from camgen.parts.keyways import RANGE, keyway, shaft_keyway
-from camgen.parts.part import SizeNote, d_bore, keyed_bore
+from camgen.parts.part import ROD, SizeNote, d_bore, keyed_bore
 from camgen.parts.set_screws import SetScrewHub
 from camgen.spec import Coordinate, Distance, Length, Record, quantity, text_of_form, unknown
 
@@ -364,10 +364,10 @@ class Parts(Record):
         """How shafts are made, for the parts list."""
         return TURNED if self.shaft_made == "steel" else "printed"
 
-    def rod(self, length: float, flat: str) -> tuple[SizeNote, ...]:
+    def rod(self, length: float, flat: str, fit: str = ROD) -> tuple[SizeNote, ...]:
         """Of what a shaft of steel is cut, for the parts list; nothing of one that is printed.
 
-        length: of it, mm; flat: where on it the flat or the keyway is.
+        length: of it, mm; flat: where on it the flat or the keyway is; fit: of the rod.
         """
         if self.shaft_made == "printed":
             return ()
@@ -377,8 +377,8 @@ class Parts(Record):
             cut = f", keyway {width:g} wide, {depth:g} deep {flat}"
         elif self.shaft_flat:
             cut = f", a flat {self.shaft_flat:g} deep {flat}"
-        stock = f"rod {self.shaft_diameter:g} h9"
-        return (SizeNote(f"{stock} x {length:g}{cut}", stock, length),)
+        stock = f"rod {self.shaft_diameter:g} {fit}"
+        return (SizeNote(f"{stock} x {length:g}{cut}", stock, length, fit=fit),)
 
     @property
     def keyway(self) -> tuple[float, float, float]:
