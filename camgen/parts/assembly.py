@@ -17,7 +17,7 @@ import numpy as np
 
 from camgen.findings import NotJudged
 from camgen.geometry.facets import facet_contour
-from camgen.geometry.outlines import Floats, Region, extent, start_point
+from camgen.geometry.outlines import Floats, Region, end_point, extent, start_point
 from camgen.geometry.rings import Ring
 from camgen.machine.features import (
     Balance,
@@ -726,6 +726,11 @@ def _on_plate(rows: Sequence[Row], assembly: Assembly, blocks: int) -> Sequence[
     under += _motor_rows(assembly) if assembly.motor.reach is not None else []
     under += glued if first else []
     rows = [*rows[: last + 1], *under, *rows[last + 1 :]]
+    if not first:  # what is glued below comes again with the plate
+        plate = next(k for k, (cells, _) in enumerate(rows) if cells[1] == name)
+        cells, step = rows[plate]
+        below = [copy for _, each in glued for copy in each.copies[1:]]
+        rows[plate] = cells, replace(step, copies=[*step.copies, *below])
     if blocks:
         lies = resting[0].part
         low = last if lies == name else next(k for k, row in enumerate(rows) if row[0][1] == lies)
@@ -734,10 +739,12 @@ def _on_plate(rows: Sequence[Row], assembly: Assembly, blocks: int) -> Sequence[
         aside = ", outside of the circle of the hand crank" if assembly.motor.crank else ""
         cells, step = rows[low]
         together = 0 < low == last - 1 and len(under) == len(screws) == 1
-        place = f"on the bench for {what}" if together else f"under {what}"
+        lying = rows[0][0][1] == lies  # else it comes down on them, over shafts that stand there
+        place = f"under {what}" if lying else f"on the bench for {what}"
         said = f"put two blocks at least {blocks} mm high {place}{aside}: parts hang below it"
-        step = step.also(said)
-        rows[low] = cells, replace(step, doings=[*step.doings, *borne])
+        under_it = [Doing(said), *borne]
+        doings = [*step.doings, *under_it] if lying or together else [*under_it, *step.doings]
+        rows[low] = cells, replace(step, doings=doings)
         if together:
             rows[low : last + 2] = _screwed_together(rows[low : last + 2], assembly, screws[0])
     return rows if first else [*glued, *rows]
@@ -868,7 +875,7 @@ def _motor_rows(assembly: Assembly) -> Iterator[Row]:
 def _shortened(motor: MotorSeat) -> Iterator[Doing]:
     """What is done with a shaft that what passes over it would meet."""
     if motor.most is not None:
-        long = f", from the motor's face: file or grind it to at most {motor.most:.4g} mm"
+        long = f", from the motor's face: file off what is longer than {motor.most:.4g} mm"
         why = f", for {motor.under} passes over its end. Keep the chips out of the motor"
         yield Doing("measure ", "the motor's shaft", f"{long}{why}", ("caliper", "file"))
 
@@ -929,8 +936,11 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
             (a + b, f"{a:.1f} mm from the middle of {one} and {b:.1f} mm from that of {other}")
         )
     (_, one), (_, other) = sorted(near)[:2]
-    rest = f" under the plate. One of its inner corners is {one}, another is {other}"
+    where = "under the plate" if there else "on it"
+    rest = f" {where}. One of its inner corners is {one}, another is {other}"
     cells, step = _row_of(part, assembly, Doing("glue ", called(part), rest))
+    sides = [*_glued_sides(part, mount, stands.z)]
+    step = replace(step, mates=sides, glued=sides)
     if there:
         return cells, step
     lay = Doing("lay ", called(plate), " on the bench, its underside up")
@@ -943,6 +953,16 @@ def _glued_below(part: Part, assembly: Assembly, there: bool) -> Row:
         )
         pressed = [replace(lay, rest=rest, props=(least, least)), *step.doings]
     return cells, replace(step, doings=[lay, *step.doings], copies=copies, pressed=pressed)
+
+
+def _glued_sides(frame: Part, mount: Mount, high: float) -> Iterator[Mate]:
+    """Where a frame is glued under a plate, for the picture: the middle of each side, at the height of the plate's underside, mm."""
+    (opening,) = frame.drawn.region.holes
+    wall = extent([frame.drawn.region.outer])[1].real - extent([opening])[1].real
+    for piece in opening.pieces:
+        middle = (start_point(piece) + end_point(piece)) / 2
+        at = mount.place(middle + wall / 2 * middle / abs(middle))
+        yield Mate("glue", "", (at.real, at.imag, high), wall, wall)
 
 
 def _stands_out(assembly: Assembly, plate: Part, stands: Mount) -> float:

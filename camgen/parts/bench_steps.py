@@ -146,6 +146,8 @@ def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator
         by_verb.setdefault(_inner(alike[0])[0].verb, []).append(alike)
     both = any(len({run[0].apart for run in alike}) > 1 for alike in kinds.values())
     shares = [*_shares([alike for own in by_verb.values() for alike in own], _KINDS)]
+    # what is glued on one of them when it has been pressed, such as a frame
+    after = {copy for run, _ in actions for step in run if step.pressed for copy in step.copies[1:]}
     for number, share in enumerate(shares):
         begins = _PRESS if number == 0 else _PRESS_MORE
         if number == 0 and both:
@@ -156,7 +158,7 @@ def _bench_first(actions: Sequence[_Action], columns: Sequence[str]) -> Iterator
         laid = [
             (
                 alike[0][0].group,
-                [copy for step in alike[0] for copy in step.copies],
+                [copy for step in alike[0] for copy in step.copies if copy not in after],
                 [mate for step in alike[0][:-1] for mate in step.mates],
             )
             for alike in share

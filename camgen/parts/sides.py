@@ -40,7 +40,7 @@ from camgen.parts.generator.sizes import SIDE_SPACER, Parts
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import TWO_PART
-from camgen.study import Doing, Later, Step, Table
+from camgen.study import Doing, Later, Mate, Step, Table
 
 PREFIX = "far"  # of the names of the far side
 _GAUGE = 30.0  # mm, length of a gauge: through a plate and a web, and long enough to be held
@@ -65,6 +65,11 @@ class Mirror:
         """Where the image of a copy stands."""
         z = round(2 * self.height - mount.z - part.thickness, 9)
         return replace(mount, z=z, flipped=mount.flipped is not _turns_over(part))
+
+    def mate(self, mate: Mate) -> Mate:
+        """The image of where something is glued."""
+        x, y, z = mate.place
+        return replace(mate, place=(x, y, 2 * self.height - z))
 
     def stand_in(self, thing: StandIn) -> StandIn:
         """The image of what is in the way."""
@@ -426,7 +431,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
     for row, step in zip(second.rows, second.steps, strict=True):
         held = _centred(_greased(step), hole, far, mirror.sizes)
-        there = replace(held, apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0))
+        glued = [*map(mirror.mate, held.glued)]
+        there = replace(held, apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0), glued=glued)
         rows.append((tuple(row), there))
     on = "spacers" if mirror.gap else "second plate of the near side"
     further = [_fed(row, far, mirror) for row in further_rows(near)]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import base64
 import gzip
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, astuple, replace
 from functools import cache
 from html import escape
@@ -146,7 +146,7 @@ def _viewer(report: Report, scene: Scene) -> str:
             ]
             for plate in scene.plates
         ],
-        "steps": [_on_bench(step, place) for step in scene.steps],
+        "steps": [*_on_bench(scene.steps, place)],
         "parts": [
             [str(part.get("title", "")), [[*astuple(hole)] for hole in holes]]
             for part, holes in zip(report.parts, scene.holes, strict=False)
@@ -161,8 +161,24 @@ def _viewer(report: Report, scene: Scene) -> str:
     return "".join(blocks) + f"<script>{_asset('viewer.js')}</script>"
 
 
-def _on_bench(step: Step, place: Mapping[str, int]) -> dict[str, object]:
-    """A step of assembly for the script; place: number of each copy."""
+def _on_bench(steps: Sequence[Step], place: Mapping[str, int]) -> Iterator[dict[str, object]]:
+    """Steps of assembly for the script; place: number of each copy. What was put together on the bench comes as one thing."""
+    together = dict[str, Sequence[str]]()  # with which copies each was put together
+    there = set[str]()
+    for step in steps:
+        things = list(dict.fromkeys(tuple(together.get(copy, (copy,))) for copy in step.copies))
+        come = [thing for thing in things if not there.issuperset(thing)]
+        copies = list(dict.fromkeys(copy for thing in things for copy in thing))
+        said = _shown_step(replace(step, copies=copies), place)
+        if come != [(copy,) for copy in copies]:
+            said["things"] = [[place[copy] for copy in thing] for thing in come]
+        yield said
+        there.update(step.copies)
+        together |= {copy: own for _, own, _ in step.laid for copy in own}
+
+
+def _shown_step(step: Step, place: Mapping[str, int]) -> dict[str, object]:
+    """A step of assembly for the script."""
     mates = _shown_mates(step.mates)
     copies = [place[copy] for copy in step.copies]
     wire = [] if step.wire is None else (step.wire.round(2) + 0.0).tolist()

@@ -717,7 +717,7 @@
   // Copies that come in a step, and those that are there, with the wires of springs: of what is built by itself its own alone,
   // turned as it lies on the bench. own: copies that come and were not built apart before.
   function onBench(steps, number) {
-    const { copies, apart = "", up, joins, wire, shapes = [], screws = [] } = steps[number], past = steps.slice(0, number);
+    const { copies, things = copies.map(k => [k]), apart = "", up, joins, wire, shapes = [], screws = [] } = steps[number], past = steps.slice(0, number);
     const later = steps.slice(number).map(step => step.joins);  // what comes again was only tried
     const whole = new Map(past.filter(step => step.joins && !later.includes(step.joins)).map(step => [step.joins, step.apart || ""]));  // of what it is by now
     const built = name => past.filter(step => {
@@ -731,7 +731,7 @@
     const inside = joins ? built(joins).flatMap(step => [...(step.shapes || []), ...(step.screws || [])]) : [];  // such as batteries
     const bought = before.flatMap(step => [...(step.shapes || []), ...(step.screws || [])]), springs = before.map(step => step.wire).filter(wire => wire.length);
     const lies = turning(up), laid = line => line.map(place => new THREE.Vector3(...place).applyMatrix4(lies).toArray());
-    return { coming, taken, own: copies, there, spring: laid(wire), springs: springs.map(laid), shapes: [...inside, ...shapes], bought, screws, begun, lies };
+    return { coming, taken, own: copies, things, there, spring: laid(wire), springs: springs.map(laid), shapes: [...inside, ...shapes], bought, screws, begun, lies };
   }
   // What is put together on the bench: each group by itself, as its first part is drawn, in rows; where each copy and mate is.
   function laidOut(groups, copies, standing) {
@@ -911,7 +911,7 @@
       now.screws.forEach(screw => there.add(new THREE.Mesh(block(screw, lies), seenThrough("--screw"))));
       now.shapes.forEach(shape => coming.add(new THREE.Mesh(block(shape, lies), fresh)));
       frame.querySelector(".bench-keys .screw").hidden = !now.screws.length;
-      const loose = [...unmet(now.own.map(k => [k]), mates), ...(now.taken.length ? unmet([now.taken], mates) : [])];
+      const loose = [...unmet(now.things, mates), ...(now.taken.length ? unmet([now.taken], mates) : [])];
       if (lift.length()) arrows(box, into, now.spring.length ? [] : [...mates.filter(({ within }) => !within), ...loose]);
       mates.forEach(mate => glued(mate.comes || mate.within ? coming : there, mate));
       tags = lettered(now.own.map(k => ({ k, matrix: stand(k) })));

@@ -585,7 +585,8 @@ def misglued(machine: Mechanism) -> list[str]:
     all_steps = order_of_assembly(machine.assembly).steps
     for number, step in enumerate(all_steps):
         if any(set(step.copies) & set(later.copies) for later in all_steps[number + 1 :]):
-            found += [f"{step.title}: {mate}" for mate in step.mates if mate.how != "free"]
+            fits = (mate for mate in step.mates if mate not in step.glued)  # else flat on flat
+            found += [f"{step.title}: {mate}" for mate in fits if mate.how != "free"]
             continue
         for mate in (each for each in step.mates if each.height and not step.dry):
             at, z = complex(*mate.place[:2]), mate.place[2]
@@ -839,8 +840,11 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
         said = f"Prop it on a block {height + blocks:.4g} mm high, where those under ground are {blocks} mm high"
         assert said in near and said.replace("ground", "far-ground") in far
     (on, far) = (title for title in titles if "far-ground" in title and "two blocks" in title)
+    assert "far-battery-frame) on it. One of its inner corners" in on
     assert f"two blocks at least {blocks} mm" in far, "for steps that are done again"
     assert "a block under far-shaft" in far, "as soon as it stands there"
+    over = "Set the ground plate (far-ground) with O on far-shaft."
+    assert far.endswith(over) and far.index("two blocks") < far.index("a block under far-shaft")
     parts = walker.assembly.by_name
     pressed = max(parts[name].thickness for name in ("pin-1", "pin-2", "pin-3"))
     out = pressed - parts["far-ground"].thickness
@@ -898,8 +902,19 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     assert max(abs(z) for z in shaft) == pytest.approx(1.5) and foot == high < 0 < end
     plate = next(k for k, step in enumerate(steps) if "ground-1" in step.copies)
     assert steps[plate + 1] is bar
-    (frame,) = (step for step in steps if "far-battery-frame-1" in step.copies)
+    frame, on_shaft = (step for step in steps if "far-battery-frame-1" in step.copies)
     assert frame.way == 1 and frame.up == (0.0, 0.0, -1.0)
+    assert "far-ground-1" in on_shaft.copies, "it comes with the plate, on which it is glued"
+    foot = next(each for each in walker.assembly.mounts if each.part == "far-battery-frame")
+    rim = walker.assembly.by_name[foot.part].region
+    places = [complex(*mate.place[:2]) - foot.at for mate in frame.mates if mate.how == "glue"]
+    assert {mate.place[2] for mate in frame.mates} == {foot.z}, "between plate and frame"
+    sides = sorted((round(z.real, 3), round(z.imag, 3)) for z in places)
+    x, y = (
+        26 + 0.025 + 0.8,
+        24 + 0.025 + 0.8,
+    )  # half of 52 x 48, half the play of 0.05, half of a wall of 1.6
+    assert sides == [(-x, 0), (0, -y), (0, y), (x, 0)] and len(rim.holes) == 1
     play = walker.print.slide_clearance + walker.print.press_clearance
     half = complex(52 + play, 48 + play) / 2
     points = dict(walker.assembly.by_name["ground"].points)
@@ -1155,7 +1170,7 @@ def test_a_step_says_which_end_is_down_and_counts_what_has_no_letter() -> None:
     (plain,) = (title for title in titles if "Stand the shaft of follower" in title)
     assert "upright; it stays loose" in plain, "both ends are alike"
     (plate,) = (
-        title for title in titles if "lower the ground plate over all ends at once" in title
+        title for title in titles if "Lower the ground plate over all ends at once" in title
     )
     assert ": one on shaft, pivot on shaft-follower and crank on shaft-unloader." in plate
 
@@ -1257,15 +1272,14 @@ def test_what_is_cut_of_steel_is_a_step_of_its_own_before_all_others() -> None:
 
 
 def test_blocks_under_a_plate_are_as_high_as_what_hangs_below_it(leg: Mechanism) -> None:
-    """The lowest underside of all its parts, under that of the plate."""
+    """The lowest underside of all its parts, under that of the plate. They lie there before the plate comes down, over its shaft."""
     made = leg.assembly
     low = min(mount.z for mount in made.mounts)
     (plate,) = (mount.z for mount in made.mounts if mount.part == "ground")
-    blocks = f"Put two blocks at least {math.ceil(plate - low)} mm high under the plate"
+    blocks = f"Put two blocks at least {math.ceil(plate - low)} mm high on the bench for the plate"
     titles = [step.title for step in steps_of_assembly(leg).steps]
-    assert [("the ground plate" in title, blocks in title) for title in titles].count(
-        (True, True)
-    ) == 1
+    (title,) = (title for title in titles if blocks in title)
+    assert title.index(blocks) < title.index("Set the ground plate with O on shaft")
 
 
 @pytest.mark.long

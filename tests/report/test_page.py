@@ -99,6 +99,23 @@ def test_the_machine_is_in_the_page_and_the_library_that_shows_it(page: str) -> 
     }
 
 
+def test_what_was_put_together_on_the_bench_comes_as_one_thing() -> None:
+    """A plate with its pin is laid down and a frame glued on it; then it comes with both, over a shaft: the shaft and the pair have an
+    arrow each, and the plate none when it comes again."""
+    names = ("plate", "pin", "frame", "shaft")
+    steps = (
+        Step([Doing("press")], laid=[("plate", ("plate", "pin"), ())]),
+        Step([Doing("glue")], ("plate", "frame")),
+        Step([Doing("put on")], ("shaft", "plate", "frame", "pin")),
+    )
+    scene = solid().scene
+    assert scene is not None
+    whole = replace(solid(), scene=replace(scene, copies=names, steps=steps))
+    _, glued, on = json.loads(script(to_html(whole), "lying"))["steps"]
+    assert glued["copies"] == [0, 1, 2] and glued["things"] == [[0, 1], [2]]
+    assert sorted(on["copies"]) == [0, 1, 2, 3] and on["things"] == [[3], [0, 1]]
+
+
 def test_a_page_without_solids_says_what_to_build() -> None:
     said = "this page has no view in three dimensions: build 3mf & report"
     assert "build 3mf &amp; report" in to_html(replace(made_up(), why_flat=said))
