@@ -5,6 +5,7 @@ bears      alternating bending stress, MPa: half of the tensile strength, of pri
 density    g/cm^3
 hertz      pressure of a contact that may come again and again, MPa, and where it was read; None where no one gives any
 spread     usual tolerance of a printed size, +- mm; None of what is not printed
+glued      alternating shear of two-part glue on it, MPa; None where none is known
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ class Material:
     hertz: float | None = None
     hertz_source: str = ""
     spread: float | None = None
+    glued: float | None = None
     metal: bool = False
     treatment: str = ""  # heat treatment, without which it does not bear that pressure
     # mm, depth of the skin that it hardens alone, of what a follower runs on, ground afterwards; 0: hardened through
@@ -49,6 +51,13 @@ _GUIDE = "spread: FDM tolerance guide, toolsfast.app/3d-printing/fdm-tolerance-g
 # The strongest of these prints in their plane, MPa [additive.tools/materials/pc: 58-75].
 _STRONGEST = 75.0
 _KGF = 9.80665  # N
+
+# Half of the least that laps of PMMA, PC, PVC and ABS bore, 865 to 2570 lb/in^2 with three two-part acrylic glues: mostly the
+# plastic gave way [E. M. Petrie, Handbook of Adhesives and Sealants, table 10.17]. No table has PLA or PETG; of printed laps those of
+# PLA bore most with epoxy, and those of PETG most of all with two-part acrylic glue [Oz, Ozturk, Welding in the World 69, 2025, abstract].
+# ASA bore little with epoxy [Yap et al., 2020, abstract].
+_GLUED = 2.9
+_GLUES_WELL = ("PLA", "PETG", "PC", "ABS")
 
 STEEL = Material(
     "steel",
@@ -74,6 +83,7 @@ def _print(
         f"no limit is published for prints of {name}: at this limit the strongest printed plastic yields (PC, "
         f"{_STRONGEST:g} MPa in its plane, {YIELDS:g} times that in a line contact)",
         spread,
+        _GLUED if name in _GLUES_WELL else None,
     )
 
 

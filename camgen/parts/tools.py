@@ -16,7 +16,7 @@ SUPPLIES = {
     "connectors": "two, or a soldering iron, for the wires of motor and batteries",
     "double-sided tape": "for the battery holder and its wires",
     "adhesive tape": "to hold or pull parts while you work",
-    "two-part glue": "such as epoxy, where a step asks for it: superglue sets too fast there, or does not bear the pressure",
+    "two-part glue": "such as slow epoxy or two-part acrylic glue, where a step asks for it: superglue sets too fast there, or does not bear the pressure",
     "oil": "a drop for each joint beside glue",
     "grease": "a dot, for a spacer that would slip",
     "sheets of paper": "80 g/m^2, 0.1 mm thick, to set the gaps that steps name",

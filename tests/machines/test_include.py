@@ -387,7 +387,8 @@ def test_a_mounted_machine_stands_on_posts_and_turns_by_a_sleeve(root: Path) -> 
 
 def test_machines_with_shafts_alike_in_line_have_one_shaft_and_one_plate(root: Path) -> None:
     """The second plate has the frame's holes but the shaft's and those of its screws; the crank's bore is turned to the flat."""
-    data = include(root, {**STACKED, "parts": {**STACKED["parts"], "shaft_flat": 0.5}}, MOUNTED)
+    shaft = {"shaft_diameter": 11, "shaft_flat": 1}  # as that of the machine that it includes
+    data = include(root, {**STACKED, "parts": {**STACKED["parts"], **shaft}}, MOUNTED)
     machine = read_mechanism(data)
     parts, poses = (
         {part.name: part for part in machine.assembly.parts},
