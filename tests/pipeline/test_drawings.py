@@ -96,7 +96,7 @@ def test_material_mass_number_and_date(tmp_path: Path) -> None:
         )
     path, _ = write_drawing(tmp_path, "x", parts["output"], 1e-3, found["output"])
     texts = [entity.dxf.text for entity in ezdxf.readfile(path).modelspace().query("TEXT")]
-    assert {"%%c26.8 slide on %%c26.6", "%%c3.5 press on %%c3.5", "2026-05-31"} <= set(texts)
+    assert {"%%c31.8 slide on %%c31.6", "%%c3.5 press on %%c3.5", "2026-05-31"} <= set(texts)
 
 
 @pytest.mark.parametrize(
