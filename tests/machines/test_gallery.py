@@ -13,7 +13,7 @@ import pytest
 
 from camgen import load, starters
 from camgen.machines.loads.assess import assess
-from camgen.pipeline.build import build
+from camgen.pipeline.build import build, read_mechanism
 from camgen.pipeline.making import parts_table
 
 GALLERY = starters.folder() / "gallery"
@@ -25,6 +25,20 @@ DRAWN = "heart"  # of 33 parts, drawn; the others are made with all their files:
 @pytest.mark.parametrize("name", sorted(path.stem for path in GALLERY.glob("*.toml")))
 def test_each_spec_is_an_example_that_says_what_it_is(name: str) -> None:
     assert starters.summary(name).endswith(".") and name in starters.examples()
+
+
+SPECS = [
+    path for part in (".", "gallery") for path in starters.folder().joinpath(part).glob("*.toml")
+]
+
+
+@pytest.mark.parametrize("path", sorted(SPECS), ids=lambda path: path.stem)
+def test_no_example_is_amber(path: Path) -> None:
+    """Nothing fails, nothing is warned of, and what was asked is judged as far as that needs no file."""
+    machine = read_mechanism(path)
+    found = assess(machine)
+    assert all(each.ok for each in (*machine.limits(), *found.findings))
+    assert not found.not_judged and not found.warnings and not machine.remarks().warnings
 
 
 @pytest.mark.long
