@@ -162,8 +162,10 @@ class StandingCopy:
 
     @property
     def slender(self) -> bool:
-        """Whether it is a shaft or a pin: its longest outline alone is long."""
-        return any(each.high - each.low >= _LONG * each.diameter for each in self.outlines)
+        """Whether it is a shaft, however thick, or a pin: its longest outline alone is long."""
+        return self.part.role == "shaft" or any(
+            each.high - each.low >= _LONG * each.diameter for each in self.outlines
+        )
 
 
 def _standing_copy(name: str, part: Part, mount: Mount, pose: PartPose) -> StandingCopy:

@@ -119,10 +119,9 @@ def _meeting(
     letter = hole.name if shaft is None or hole.name != shaft.part.name else ""
     if shaft is not None and outline is not None:
         joint = fixing.joint(hole, copy.part, outline, shaft.part)
-        long = shaft.slender or shaft.part.role == "shaft"
         gap, name = gap_under(hole, below)
         rests = name and gap <= SAME_POINT and fixing.metal  # a shaft's length says it less well
-        told = joint and not rests and (long or gap > SAME_POINT)
+        told = joint and not rests and (shaft.slender or gap > SAME_POINT)
         high = f", {_height(hole, shaft, below, fixing.metal)}" if told else ""
         set_by = between(gap, fixing.metal) if " mm over " in high else ""
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
