@@ -780,10 +780,12 @@ def _screwed_together(rows: Sequence[Row], assembly: Assembly, screw: Bought) ->
 
 
 def _borne_at_once(rows: Sequence[Row], low: int) -> tuple[list[Row], list[Doing]]:
-    """Rows without the blocks under shafts that stand before the blocks under the plate come, and what is done with these blocks."""
+    """Rows without the blocks under shafts that stand before the blocks under the plate come, each taken away after the last that asks for
+    it, and what is done with these blocks."""
     standing = {copy.rpartition("-")[0] for _, step in rows[: low + 1] for copy in step.copies}
     found = list[Row](rows[: low + 1])
     borne = list[Doing]()
+    last = dict[str, int]()  # row of the last that is glued on each shaft
     for cells, step in rows[low + 1 :]:
         own = [
             each
@@ -793,8 +795,13 @@ def _borne_at_once(rows: Sequence[Row], low: int) -> tuple[list[Row], list[Doing
             and each.thing in standing
         ]
         borne += [each for each in own if each not in borne]
+        last |= {each.thing: len(found) for each in own}
         kept = [each for each in step.doings if each not in own]
         found.append((cells, replace(step, doings=kept) if own else step))
+    for shaft, k in last.items():
+        cells, step = found[k]
+        away = Doing("when the glue is hard, take the block out from under ", shaft)
+        found[k] = cells, replace(step, doings=[*step.doings, away])
     return found, borne
 
 

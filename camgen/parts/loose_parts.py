@@ -68,7 +68,7 @@ class Stop:
                 f"stick a strip of adhesive tape under {WHAT}, beside ",
                 shaft,
                 f", to pull it down by. Push it up to {self.name} with a thin stick, and hold it there",
-                ("adhesive tape",),
+                ("adhesive tape", "thin stick"),
             ),
             Doing(
                 f"put a drop of {'retaining compound' if self.metal else 'superglue gel'} on ",

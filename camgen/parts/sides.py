@@ -380,21 +380,19 @@ def _glued(
     on, taker = where
     _, letter = hole
     glue = "glue" if metal else TWO_PART
-    through = f" through {letter} of its second plate, as with a toothpick" if letter else ""
+    through = f" through {letter} of its second plate, with a thin stick" if letter else ""
     through += ", a trace all round in the half away from that plate: the shaft pushes it onwards"
     clear = "put none on the shaft, in that plate or in a spacer between: the shaft turns in these"
-    needs = (TWO_PART,) if glue == TWO_PART else ()
+    tools = {TWO_PART: glue == TWO_PART, "thin stick": bool(letter)}
+    needs = tuple(each for each, used in tools.items() if used)
     doings = [
-        Doing("lift the far side off"),
+        Doing("lift the far side off, as soon as all moved freely in that trial"),
         Doing(f"put {glue} into ", taker, through, needs),
         Doing(clear),
     ]
     if screws:
         held = "screw it on the spacers through the far plate and its posts, tight crosswise"
-        doings += [
-            Doing(f"lower it again, {mirror.shaft} into {taker}, and {held}"),
-            Doing("let nothing turn until the glue is hard: nothing parts both sides after that"),
-        ]
+        doings.append(Doing(f"lower it again, {mirror.shaft} into {taker}, and {held}"))
     else:
         both = f"{taker} on {mirror.shaft} and the far second plate on the {on}"
         doings += [Doing(f"put {glue} on the {on}"), Doing("lower it again: press ", both)]
@@ -440,6 +438,8 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     rows += fed
     rows.append(_tried(mirror, near.motor.reach is not None, bool(fed), bool(screws), (on, taker)))
     joining = _glued(mirror, near.process.fixing.metal, screws, (on, taker), hole)
-    rows += [with_things(joining, [*screws, *coupled(near)])]
+    cells, step = with_things(joining, [*screws, *coupled(near)])
+    hard = "let nothing turn until the glue is hard, as long as its pack says: nothing parts both sides after that"
+    rows.append((cells, step.also(hard)))
     rows += [row for row in further if not row[1].shapes]
     return numbered(replace(first, title="Assembly, side by side"), rows)

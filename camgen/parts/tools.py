@@ -10,6 +10,7 @@ USES = {
     "vice": "to press parts into tight holes",
     "square": "a small one, to set parts upright",
     "pliers": "small, for nuts and springs",
+    "thin stick": "such as a toothpick, for where no finger gets in",
     "feeler gauges": "to set the gaps that steps name",
 }
 SUPPLIES = {

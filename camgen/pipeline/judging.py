@@ -17,11 +17,13 @@ import numpy as np
 
 from camgen.errors import counted
 from camgen.files.formats import DRAWN, EXACT, FORMATS, SOLID
+from camgen.files.views import area
 from camgen.findings import Finding, NotJudged, Where, at_most, in_file
 from camgen.geometry.facets import facet_contour
 from camgen.geometry.outlines import Floats
 from camgen.judge.copies import judge_copies, judge_exact_copies
 from camgen.judge.round_trip import judge_solid
+from camgen.machine.model import GROUND
 from camgen.machines.free_play import beyond_targets
 from camgen.machines.mechanism import Mechanism
 from camgen.parts import materials, motors
@@ -62,6 +64,8 @@ _CLOCKWISE = (
 _CHOSEN = "What camgen chose for you, and the key that sets it"
 _STRIP = 1.5  # height of a strip of a timing chart, in strokes
 _DRAWN = 0.01  # mm, chord tolerance of an outline that is only to be packed
+_WALLS = 4  # of a print that is not solid
+_INSIDE = 0.5  # share of a region within these walls, from which on infill saves much
 
 
 Reading = Iterator[tuple[Outcome, Read]]  # of each part, in their order
@@ -182,6 +186,7 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
         "material_mm3": part.volume,
         "thickness_mm": part.thickness,
         "area_mm2": part.region.area,
+        "sparse_infill": sparse_infill(case.mechanism, part),
         "files": [
             file.name
             for kind in kinds
@@ -189,6 +194,15 @@ def _part_record(case: Case, part: Part, kinds: Sequence[str]) -> dict[str, obje
             or (kind not in EXACT and (part.outlined or kind not in DRAWN))
         ],
     }
+
+
+def sparse_infill(mechanism: Mechanism, part: Part) -> bool:
+    """Whether four walls and little infill do for a part: a wide one that stands still. What moves is judged as solid."""
+    bodies = {mount.body for mount in mechanism.assembly.mounts if mount.part == part.name}
+    if part.process != "printed" or bodies != {GROUND}:
+        return False
+    inside = area(part.region, _DRAWN).buffer(-_WALLS * mechanism.print.nozzle).area
+    return bool(inside > _INSIDE * part.region.area)
 
 
 # ---- the whole, from its files alone ---------------------------------------------------------------------------------

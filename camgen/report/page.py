@@ -277,8 +277,12 @@ _DRAWING = "drawing"
 
 def _tools(report: Report) -> str:
     """What one has on a bench."""
-    rows = [(row["part"], row["what"]) for row in _parts_list(report) if row["how"] == _TOOL]
-    return html_table(Table("", ("part", "what"), rows)) if rows else ""
+    rows = [
+        (row["part"], row["what"], row["count"] if row["count"] != 1 else "")
+        for row in _parts_list(report)
+        if row["how"] == _TOOL
+    ]
+    return html_table(Table("", ("part", "what", "count"), rows)) if rows else ""
 
 
 _TOOL = "tool"
@@ -533,7 +537,11 @@ def _settings(report: Report) -> str:
         if solid
         else f"and walls and infill that make {known['print infill']:.0%} of a part plastic"
     )
-    less = "Four walls and 30% infill take less time, and do where little is carried. " * solid
+    wide = [str(part["name"]) for part in report.parts if part.get("sparse_infill")]
+    do = "where little is carried"
+    if wide:
+        do = f"for {listed('part', wide)}, wide and still; print the others solid"
+    less = f"Four walls and 30% infill take less time, and do {do}. " * solid
     return (
         f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, {filled}. "
         f"With these it takes about {known['print time']:.2g} h at {PRINT_SPEED:g} mm/s. {less}"

@@ -195,7 +195,8 @@ def test_holes_of_a_metal_geneva_table_come_made_as_its_sheets_say() -> None:
     end = "flush with the lower end of shaft (shorter keyway, 6 mm)"
     assert sum(end in each for each in steps) == 1
     (lock,) = (each for each in steps if "all at once" in each)
-    assert lock.endswith("all at once, down on crank.")
+    away = " When the glue is hard, take the block out from under shaft."
+    assert lock.endswith(f"all at once, down on crank.{away}")
     # its plate is what one measures from, not the bush that is flush with it
     assert any("0.1 mm over ground (a feeler gauge" in each for each in steps)
     assert not any("over bush" in each for each in steps)
@@ -828,7 +829,8 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "swap the motor's two wires" in titles[trial]
     assert titles[trial].index("without screws or glue yet") < run
     assert last.index("Lift the far side off") < last.index("and screw it on the spacers")
-    assert "Let nothing turn until the glue is hard" in last
+    assert "as soon as all moved freely in that trial" in last
+    assert last.index("Use 4 × screw of a spacer") < last.index("Let nothing turn until the glue")
     (motor,) = (title for title in titles if "Hold the motor under the plate" in title)
     assert "Hold its wires to the batteries and let it run before you go on" in motor
     assert "its nuts below the motor bar" in motor and "goes into O, 4 mm wide: scrape" in motor
@@ -853,6 +855,7 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "for 4 AAA cells side by side, 6 V" in supply, "as the comments of its spec say"
     has = {each.name: each for each in tools(walker)}
     assert has["block"].count == 2 and has["block"].size.startswith(f"at least {blocks} mm")
+    assert "with a thin stick" in last and "thin stick" in has
     props = "7.35, 12.55, 14.55, 30, 2 × 36, 55.3 and 58.35 mm high"
     assert props in has["prop"].size and has["prop"].count == 8, "as steps name them"
     for prop, end in (
@@ -1269,6 +1272,26 @@ def test_what_is_cut_of_steel_is_a_step_of_its_own_before_all_others() -> None:
         "☐ 1 × shaft",
         "☐ 1 × roller-pin",
     ]
+
+
+def test_a_block_under_a_shaft_is_taken_away_after_the_last_that_is_glued_on_it() -> None:
+    """Of a Geneva table that is the highest on each shaft: the locking disc, and the table."""
+    spec = Path(__file__).parents[2] / "specs" / "gallery" / "geneva-table.toml"
+    machine = read_mechanism(spec)
+    steps = steps_of_assembly(machine).steps
+    heights = {mount.part: mount.z for mount in machine.assembly.mounts}
+    for shaft, parts in {
+        "shaft": ("crank", "lock-crank_to_table"),
+        "shaft-table": ("geneva-crank_to_table", "table"),
+    }.items():
+        (under,) = (step for step in steps if f"ut a block under {shaft}, " in step.title)
+        (away,) = (
+            step
+            for step in steps
+            if step.title.endswith(f"When the glue is hard, take the block out from under {shaft}.")
+        )
+        assert away.copies == [f"{max(parts, key=lambda part: heights[part])}-1"]
+        assert steps.index(under) < steps.index(away)
 
 
 def test_blocks_under_a_plate_are_as_high_as_what_hangs_below_it(leg: Mechanism) -> None:

@@ -14,6 +14,7 @@ import pytest
 
 from camgen.machines.sources import read_mechanism
 from camgen.pipeline.build import KINDS, build, check
+from camgen.pipeline.judging import sparse_infill
 from camgen.report.report import Report
 from camgen.report.terminal import print_report
 
@@ -338,3 +339,11 @@ def at(data: dict[str, Any], key: str) -> Any:
     for step in key.split("."):
         data = data[step]
     return data
+
+
+def test_wide_plates_that_stand_still_need_no_infill() -> None:
+    """Four walls of 0.4 to either side fill what is up to 3.2 wide: posts of Ø8.1 about holes of 3.4, caps and the frame of the battery,
+    whose walls are 1.6; links move."""
+    walker = read_mechanism(SPECS / "gallery" / "walker.toml")
+    wide = {part.name for part in walker.assembly.parts if sparse_infill(walker, part)}
+    assert wide == {"ground", "second-plate", "far-ground"}

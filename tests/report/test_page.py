@@ -161,7 +161,13 @@ def test_the_page_says_with_which_settings_a_slicer_prints() -> None:
     ]
     page = to_html(replace(solid(), numbers=Figures(solid_parts)))
     assert "100% infill, for weight and strength are those of solid parts" in page
-    assert "Four walls and 30% infill take less time" in page
+    assert "Four walls and 30% infill take less time, and do where little is carried." in page
+    parts = [
+        {"name": name, "sparse_infill": name in ("cam", "panel")}
+        for name in ("cam", "link", "panel")
+    ]
+    page = to_html(replace(solid(), numbers=Figures(solid_parts), parts=parts))
+    assert "do for parts cam and panel, wide and still; print the others solid." in page
     assert "Settings" not in to_html(replace(solid(), numbers=Figures(figures[:3])))
 
 
@@ -494,6 +500,7 @@ def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
         ("bought", "screw", "M3 x 6", 4, ""),
         ("bought", "oil", "a drop", 1, ""),
         ("tool", "saw", "for rods", 1, ""),
+        ("tool", "block", "as high", 2, ""),
     ]
     columns = ("how", "part", "what", "count", "material, mm^3")
     report = replace(solid(), tables=[Table("Parts list", columns, rows, shopping=True)])
@@ -504,7 +511,9 @@ def test_what_a_maker_looks_for_first_is_linked_at_the_top() -> None:
     bought = page.partition('id="to-shopping"')[2].partition("</section>")[0]
     assert "M3 x 6" in bought and "oil" in bought and "material" not in bought
     assert "cam" not in bought and "saw" not in bought, "tools have a list of their own"
-    assert "for rods" in page.partition("<h2>Tools</h2>")[2].partition("</section>")[0]
+    tools = page.partition("<h2>Tools</h2>")[2].partition("</section>")[0]
+    cells = re.findall(r"<t[dh][^>]*>([^<]*)</t[dh]>", tools)
+    assert cells == ["part", "what", "count", "saw", "for rods", "", "block", "as high", "2"]
     assert "What to buy" not in to_html(solid()), "where no list is there"
 
 
