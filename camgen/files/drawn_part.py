@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from string import ascii_uppercase
 
 from camgen.files import bore_detail, seat_detail, views
 from camgen.files.bore_detail import over_flat
@@ -41,7 +40,6 @@ from camgen.parts.keyways import keyed
 from camgen.parts.part import Layer, Part, SquareNote
 from camgen.tolerances import SAME_POINT
 
-_MISREAD = ("I", "O", "Q")  # letters that are no datum's [ISO 5459]
 _SMALLEST = 2.2  # height of text in a table, mm
 _OUTSIDE = "h9"  # fit of a drum's outside: what passes it gets no nearer
 
@@ -263,9 +261,10 @@ class DrawnPart:
         return self._letter_of(name) if name and abs(self.zero) > SAME_POINT else self.datum_letter
 
     def _letter_of(self, name: str) -> str:
-        """Letter of the datum that a hole is: its own where it is the only one, or the next that is free; so neither of several is taken for
-        the other."""
-        return self._second if len(self.named) > 1 or name in _MISREAD else name
+        """Letter of the datum that a hole is: its own where it is the only one of a part alone, or the next that is free; so neither of several
+        is taken for the other."""
+        own = len(self.named) == 1 and not self.facts.points and name in self.facts.datum_letters
+        return name if own else self._second
 
     def _shape(self, hole: Hole) -> str:
         """What a hole is, with its fit; of a bore on whose shaft nothing else is known that of the spec."""
@@ -345,9 +344,8 @@ class DrawnPart:
     def _second(self) -> str:
         """Letter of the next datum that is no hole with a name: a keyway, a dowel's hole, a rim, a face."""
         names = {label[:1] for label, _ in self.named}
-        taken = {*names, self.datum_letter, self.angle_letter, self.origin, *_MISREAD}
-        free_letters = [letter for letter in ascii_uppercase if letter not in taken]
-        return next((e for e in free_letters if e not in self.facts.points), free_letters[0])
+        taken = {*names, self.datum_letter, self.angle_letter, self.origin}
+        return next(each for each in self.facts.datum_letters if each not in taken)
 
     @property
     def threaded(self) -> bool:

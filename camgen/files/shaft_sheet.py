@@ -1,7 +1,6 @@
 """The sheet of a turned shaft: a view along it with its grooves and keyways, a section through a keyway, and what a workshop asks.
 
-Lengths are measured from the end without the coupling, of a rod the lower one, which is on the left; those of a keyway that is open
-at the other end from there. A keyway is seen from above; the section is turned until it has that on top, as the files of a rod do.
+Lengths are measured from the end without the coupling, of a rod the lower one, which is on the left. A keyway is seen from above; the section is turned until it has that on top, as the files of a rod do.
 """
 
 from __future__ import annotations
@@ -21,7 +20,7 @@ from camgen.files.symbols import roughness, run_out, symmetry, width_of
 from camgen.files.title_block import BLOCK, WIDTH, Facts, title_block
 from camgen.files.views import area, hatching
 from camgen.geometry.outlines import Arc, Contour, Line, Piece, Region
-from camgen.parts.part import Part, keyed_bore
+from camgen.parts.part import Part, SizeNote, keyed_bore
 from camgen.parts.turned_shafts import ShaftKeyway, TurnedShaft
 from camgen.tolerances import SAME_POINT
 
@@ -62,7 +61,7 @@ class _Page:
         self.shaft = shaft
         self.facts = facts
         self.part = part
-        self.axis = "A-B" if shaft.bearings else "A"  # the datum
+        self.axis = "A-B" if shaft.bearings else facts.datum_letters[0]  # the datum
         self.fit = in_limits(shaft.fit, shaft.diameter)
         across = Text(0j, f"Ø{number(shaft.diameter)} {self.fit}", 3.5)
         self.over = max(_OVER, across.room + 6)  # which reads upwards
@@ -176,6 +175,9 @@ class _Page:
         found = []
         for keyway in self.shaft.keyways:
             ends = self._open(keyway)
+            if ends[1] and not ends[0]:  # from the end from which all lengths are
+                found.append((0.0, keyway.start, Measure(keyway.start, fit="0/-0.2")))
+                continue
             if not any(ends):
                 found.append((0.0, keyway.start, Measure(keyway.start)))
             if not all(ends):
@@ -353,5 +355,8 @@ class _Page:
         lines += ["Keyways' corners as DIN 6885"] if shaft.keyways else []
         lines.append(f"Elsewhere Ra {number(facts.roughness_elsewhere)}")
         lines.append(f"Edges {facts.edges}")
-        lines += [facts.heat_treatment, facts.protection, *self.part.notes]
+        own = [
+            each for each in self.part.notes if not isinstance(each, SizeNote)
+        ]  # as in the views
+        lines += [facts.heat_treatment, facts.protection, *own]
         return [line[:1].upper() + line[1:] for line in lines if line]

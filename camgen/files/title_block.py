@@ -34,6 +34,10 @@ class Fit:
     nominal: float = 0.0  # mm, to which the words refer; 0: the diameter
 
 
+# Letters that no other is mistaken for [ISO 5459].
+_OF_DATUMS = "ABCDEFGHJKLMNPRSTUVWXYZ"
+
+
 @dataclass(frozen=True)
 class Groove:
     """A groove between two plates."""
@@ -144,6 +148,13 @@ class Facts:
     # of a sleeve, or of the head of a pin, that bears on the inner ring of a ball bearing and not beyond it
     ring_fit: str = ""
     points: frozenset[str] = frozenset()  # letters of its machine's points: no datum is called so
+
+    @property
+    def datum_letters(self) -> list[str]:
+        """Letters of datums, the best first: in a machine with points none of these, and from D on, for its parts call holes A to C; so a
+        bore has the same on all sheets."""
+        low = "D" if self.points else "A"
+        return sorted(_OF_DATUMS, key=lambda each: (each in self.points, each < low))
 
     @property
     def length_limits(self) -> str:

@@ -325,8 +325,7 @@ def _shorter(mechanism: Mechanism, part: Part, tolerance: str) -> tuple[float, f
             return 0.0
         return _thinner(mechanism, other, tolerance) or general(other.thickness, tolerance)
 
-    floor = -math.inf if pin else 0.0
-    least = stack_allowance(mechanism.assembly, part, thinner, floor)
+    least = stack_allowance(mechanism.assembly, part, thinner, pin)
     if least is None:
         return 0.0, 0.0
     length = part.thickness - (min(layer.z1 for layer in part.layers) if pin else 0.0)

@@ -1222,10 +1222,10 @@ def test_a_geneva_drive_of_metal_is_made_from_its_sheets_alone(root, tmp_path):
         said = texts[name]
         return [said[k + 1 : k + 3] for k, each in enumerate(said) if each == zone]
 
-    assert frames("geneva", "0.05") == [["A", "B"]]  # of middle planes
-    assert frames("geneva", "%%c0.05") == [["A", "B"]]  # of hollows' axes
-    assert frames("lock", "%%c0.05")[0][0] == "A" and frames("lock", "0.05") == [["A", "B"]]
-    assert frames("crank", "%%c0.05") == [["A", "B"]]
+    assert frames("geneva", "0.05") == [["D", "E"]]  # of middle planes
+    assert frames("geneva", "%%c0.05") == [["D", "E"]]  # of hollows' axes
+    assert frames("lock", "%%c0.05")[0][0] == "D" and frames("lock", "0.05") == [["D", "E"]]
+    assert frames("crank", "%%c0.05") == [["D", "E"]]
     assert {name: each.count("Ra 0.8") for name, each in texts.items()} == {
         "geneva": 2,
         "lock": 1,

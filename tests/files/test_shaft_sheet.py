@@ -150,8 +150,8 @@ def test_the_end_for_the_coupling_runs_true_and_the_seats_have_the_fit_of_their_
 
 
 def test_a_rod_s_keyways_are_slots_seen_from_above(tmp_path: Path) -> None:
-    """10 h9 x 40 with keyways 3 wide, 1.8 deep [DIN 6885] over 6 and 14 from its ends: each is open there and round inside, R1.5,
-    with its length from that end; the section, at the origin, has them on top; limits of h9 and P9 by ISO 286."""
+    """10 h9 x 40 with keyways 3 wide, 1.8 deep [DIN 6885] over the first 6 and from 26 on: each is open at its end and round
+    inside, R1.5, and both are measured from the lower end; the section, at the origin, has them on top; limits of h9 and P9 by ISO 286."""
     keyed, bare = Region(keyed_bore(10.0, 3.0, -1.8)), Region(circle(0j, 5.0))
     spans = ((keyed, 0.0, 6.0), (bare, 6.0, 26.0), (keyed, 26.0, 33.0), (keyed, 33.0, 40.0))
     rod = Part("rod", "Rod", tuple(Layer(*span) for span in spans))
@@ -178,7 +178,7 @@ def test_a_rod_s_keyways_are_slots_seen_from_above(tmp_path: Path) -> None:
     sizes = {(round(e.dxf.actual_measurement, 3), e.dxf.text) for e in space.query("DIMENSION")}
     assert sizes == {
         (6.0, "<> +0.2/0"),
-        (14.0, "<> +0.2/0"),
+        (26.0, "<> 0/-0.2"),
         (40.0, "<>"),
         (10.0, "%%c<> h9 (0/-0.036)"),
         (3.0, "<> P9 (-0.006/-0.031)"),

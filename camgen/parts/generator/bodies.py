@@ -591,6 +591,9 @@ class Bodies:
             if stub.far and link in (self.layout.driven, self.layout.upper_web)
             else 0.0
         )
+        loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
+        if not (stub.far or loose):
+            top -= self.layout.recess
         layer = Layer(Region(self.sizes.shaft_profile), 0.0, below + top)
         title = "Shaft" if alone else f"Shaft of {link.replace('_', ' ')}"
         held = self.layout.on_shaft
@@ -618,7 +621,6 @@ class Bodies:
             role="shaft",
             drawn_layer=max(range(len(layers)), key=lambda k: layers[k].region == layer.region),
         )
-        loose = [wheel for wheel, (on, _) in self.layout.freewheels.items() if on == link]
         if loose:
             end = below + max(self.layout.top(self.layout.level[wheel]) for wheel in loose)
             rod = Layer(Region(circle(0j, self.sizes.shaft_diameter / 2)), 0.0, end)
@@ -653,12 +655,9 @@ class Bodies:
         ends = (0.0, lower, upper, end, long)
         spans = zip((keyed, bare, keyed, bare), pairwise(ends), strict=True)
         layers = tuple(Layer(region, *span) for region, span in spans if span[1] > span[0] + 1e-9)
-        lengths = [f"{span:.4g}" for span in (lower, end - upper) if span > 1e-9]
-        at = "" if end == long else f" from {upper:.4g} on"
-        return (
-            layers,
-            f"over {' and '.join(lengths)}{at or (' from its lower and upper end' if lower else ' from its end')}",
-        )
+        places = [f"over the first {lower:.4g}"] if lower > 1e-9 else []
+        to = "on" if end == long else f"to {end:.4g}"
+        return layers, " and ".join([*places, f"from {upper:.4g} {to}"])
 
     # ---- joints -----------------------------------------------------------------------------------------------------
 

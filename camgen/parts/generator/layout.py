@@ -38,6 +38,9 @@ _PLAIN = ("printed", "turned", "dowel")  # pins that may stand in the plate, or 
 _ROOM = 0.5  # mm, beyond a pin's way at both ends of its slot
 
 
+_RECESS = 0.5  # mm: camgen's own rule; four parts may be as much thinner together
+
+
 def pivot_name(point: str) -> str:
     """Name of the part that is a disc of the ground."""
     return f"pivot-{point}"
@@ -106,6 +109,11 @@ class Layout(Connections):
     def rod_fit(self, link: str) -> str:
         """Fit of the rod of which the shaft of a link is cut."""
         return IN_BUSH if self.metal and self.kind(self.axis_of(link)) == "bush" else ROD
+
+    @property
+    def recess(self) -> float:
+        """By how much shafts and pins end within what they go through, mm, so that in metal none stands out of that."""
+        return _RECESS if self.metal else 0.0
 
     def pin_joint(self, point: str) -> Joint:
         """How the pin of a point is fixed in its link."""

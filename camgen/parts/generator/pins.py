@@ -176,10 +176,11 @@ def pin(layout: Layout, point: str, stub: Stub) -> Iterator[MountedPart]:
                 grip -= 2 * play if layout.metal else play
                 wide = bearing.shoulder
                 notes.append(f"its head bears on the inner ring of the {bearing.shielded} alone")
-            made = headed("pin", "Pin", s.pin_diameter, grip, wide, s.head)
+            made = headed("pin", "Pin", s.pin_diameter, grip - layout.recess, wide, s.head)
             how = _made_of(layout, point)
             made = replace(made, notes=tuple(notes), role="pin", process=how)
-            yield made, Mount("pin", body, at, 0.0, not hung, bottom - (play + s.head) * hung)
+            low = bottom - play - s.head if hung else bottom + layout.recess
+            yield made, Mount("pin", body, at, 0.0, not hung, low)
 
 
 def _reach(layout: Layout, point: str) -> float:
