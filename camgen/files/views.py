@@ -19,13 +19,17 @@ import numpy as np
 
 from camgen.files.dimensions import hole_of, turns
 from camgen.geometry.arcs import as_circle, fit_arcs
-from camgen.geometry.facets import facet_contour
+from camgen.geometry.facets import facet_contour, reach
 from camgen.geometry.outlines import Contour, Floats, Region, extent, polygon, rectangle
 from camgen.numerics import coordinates, distinct
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import SAME_POINT
 
 _FINE = 1e-5  # mm, chord tolerance of radii in a cam's table
+# Of what is drawn and of these radii the least chord tolerance, by the outline's size: a sheet does not show more, and the points
+# of a large outline stay few.
+_SEEN = 1e-6
+_WRITTEN = 1e-8
 _MOST = 40  # layers of a part that gets a section
 _STEP = 0.02  # mm, between two faces seen behind a section, from which on there is an edge
 _BESIDE = 1e-7  # mm, to either side of a corner
@@ -34,8 +38,7 @@ _SHARP = 0.05  # rad, by which an outline turns where faces of it meet in an edg
 
 def corners(contour: Contour, tolerance: float) -> Floats:
     """Corners of a contour as a polygon, (n, 2) mm."""
-    z = facet_contour(contour, tolerance)
-    return coordinates(z)
+    return coordinates(facet_contour(contour, max(tolerance, _SEEN * reach(contour))))
 
 
 def area(region: Region, tolerance: float) -> Any:
@@ -361,7 +364,8 @@ def hatching(faces: Any, step: float) -> list[tuple[complex, complex]]:
 
 def polar_table(contour: Contour, step_deg: float) -> list[tuple[float, float]]:
     """Angle, deg from the x axis, and distance from the origin of a contour, mm; nothing where a ray meets it more than once."""
-    z = facet_contour(contour.counter_clockwise(), _FINE)
+    tolerance = max(_FINE, _WRITTEN * reach(contour))
+    z = facet_contour(contour.counter_clockwise(), tolerance)
     z = np.append(z, z[0])
     angle = np.unwrap(np.angle(z))
     if not (np.all(np.diff(angle) > 0) and math.isclose(angle[-1] - angle[0], math.tau)):

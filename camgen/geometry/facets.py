@@ -286,6 +286,12 @@ def facet_circle(centre: complex, radius: float, tolerance: float, outside: bool
     return np.asarray(centre + reach * np.exp(2j * math.pi * np.arange(n) / n))
 
 
+def reach(contour: Contour) -> float:
+    """About how far a contour reaches across, mm: by some of its points."""
+    z = np.concatenate([piece.at(np.linspace(piece.t0, piece.t1, 9)) for piece in contour.pieces])
+    return float(max(np.ptp(z.real), np.ptp(z.imag)))
+
+
 def theoretical_vertices(contour: Contour, tolerance: float) -> float:
     """Least number of vertices of an inscribed polygon, the integral of sqrt(|kappa| / (8 tolerance)) ds."""
 

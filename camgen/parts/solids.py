@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from camgen.errors import DesignError
 from camgen.geometry.arcs import as_circle
 from camgen.geometry.drums import Drum
-from camgen.geometry.facets import facet_circle, facet_contour
-from camgen.geometry.mesh import Mesh
+from camgen.geometry.facets import facet_circle, facet_contour, reach
+from camgen.geometry.mesh import MOST_TRIANGLES, Mesh
 from camgen.geometry.outlines import Contour, Floats, Points, Region
 from camgen.numerics import among, coordinates, distinct, magnitude
 from camgen.parts.caps import Faces, area, recap, triangles
@@ -29,6 +29,8 @@ from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
 
 # of the outlines of a stack of layers, whose union takes a time that grows almost with their square: 28,000 take half a minute
 _MOST_POINTS = 40_000
+_MOST_ALONE = MOST_TRIANGLES // 4  # of all outlines of a part: its mesh has four triangles for each
+_COUNTED = 1e-9  # of an outline's size, the tolerance down to which points are counted
 _FINEST = 1e-8  # mm, for which points are counted; float32 has no finer ones
 _COARSER = 1.2  # from one tolerance that is tried to the next
 
@@ -45,8 +47,7 @@ def solid(part: Part, tolerance: float) -> Mesh:
         _check(mesh, part.name)
         return mesh
     alone = len(part.layers) == 1 and not part.engraved and part.side_profile is None
-    if not alone:
-        _refuse_too_fine(part, tolerance)
+    refuse_too_fine(part, tolerance, _MOST_ALONE if alone else _MOST_POINTS)
     layers = [
         _prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers
     ]
@@ -63,18 +64,31 @@ def solid(part: Part, tolerance: float) -> Mesh:
     return mesh
 
 
-def _refuse_too_fine(part: Part, tolerance: float) -> None:
-    """DesignError, with a tolerance that has been tried, where the outlines of a stack have too many points."""
+def refuse_too_fine(part: Part, tolerance: float, most: int = _MOST_ALONE) -> None:
+    """DesignError, with a tolerance that has been tried, where the outlines of a part have too many points.
 
-    def points(fine: float) -> int:
+    What curves have grows with the inverse root of the tolerance: of very many this tells the number before they are made.
+    """
+    counted = _COUNTED * max(reach(layer.region.outer) for layer in part.layers)
+    if tolerance > counted and most == _MOST_ALONE:
+        return
+
+    def count(fine: float) -> int:
         return sum(len(ring) for layer in part.layers for ring in rings(layer.region, fine))
+
+    def points(fine: float) -> float:
+        if fine >= counted:
+            return count(fine)
+        found = count(counted)
+        curved = 2 * (found - count(4 * counted))
+        return found + curved * (math.sqrt(counted / fine) - 1)
 
     finest = max(tolerance, _FINEST)
     found = points(finest)
-    if found <= _MOST_POINTS:
+    if found <= most:
         return
-    least = finest * (found / _MOST_POINTS) ** 2  # points grow with the root of the tolerance
-    while points(least) > _MOST_POINTS:
+    least = finest * (found / most) ** 2
+    while points(least) > most:
         least *= _COARSER
     least = float(f"{_COARSER * least:.1e}")
     raise DesignError(
@@ -82,8 +96,8 @@ def _refuse_too_fine(part: Part, tolerance: float) -> None:
         tolerance,
         least,
         "mm",
-        f"the outlines of {part.name}, which may have {_MOST_POINTS:,} points",
-        "a larger accuracy.chord_tolerance",
+        f"the outlines of {part.name}, which may have {most:,} points",
+        "a larger accuracy.chord_tolerance, or a smaller part",
     )
 
 

@@ -2,6 +2,8 @@
 
 import cmath
 import math
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,13 +11,16 @@ import shapely
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import camgen
 from camgen.errors import DesignError
+from camgen.files.views import corners, polar_table
 from camgen.geometry.mesh import Mesh
 from camgen.geometry.outlines import Contour, Region, Smooth, circle, kidney, polygon
 from camgen.parts.caps import triangles
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.solids import _check, _upright, rings, solid
 
+ROOT = Path(__file__).parents[2]
 TOLERANCE = 1e-3
 
 
@@ -279,3 +284,28 @@ def test_points_that_differ_by_rounding_take_the_first_of_them(seed):
             first.append(closest if abs(closest - z) <= same else complex(np.complex64(z)))
             expected.append(first[-1])
     assert np.array_equal(_upright(plan, known), expected)
+
+
+def test_points_of_an_outline_are_told_before_they_are_made(tmp_path: Path) -> None:
+    """A circle of 1 km has a chord for each 2 sqrt(2 r e): at 1e-6 mm 2.2 million, for which a build took 90 s."""
+    cam = camgen.load(ROOT / "specs" / "disc-cam.toml")
+    far = cam.replace({"geometry.base_radius": 1e6, "accuracy.chord_tolerance": 1e-6})
+    began = time.process_time()
+    for only, most in (("dxf", 500_000), (None, 40_000)):
+        with pytest.raises(DesignError, match=f"which may have {most:,} points") as refused:
+            camgen.build(far, tmp_path, only=only)
+        chord = 2 * math.sqrt(2 * 1e6 * 1e-6)
+        least = 1e-6 * (math.tau * 1e6 / chord / most) ** 2
+        assert least / 2 < refused.value.limit < 1.6 * least
+    assert time.process_time() - began < 10 and not [*tmp_path.iterdir()]
+
+
+def test_a_drawing_of_a_large_cam_has_no_more_points_than_it_shows() -> None:
+    """To a millionth of its size, its radii to a hundredth of that; those of a cam of the usual size are as fine as asked."""
+    for radius, most in ((1e6, 1e-2), (20.0, 1e-5)):
+        table = polar_table(circle(0j, radius), 10)
+        assert max(abs(radius - r) for _, r in table) <= 2 * most
+    assert len(corners(circle(0j, 1e6), 1e-6)) == pytest.approx(math.pi / 2e-3, rel=0.01)
+    assert len(corners(circle(0j, 20.0), 1e-3)) == pytest.approx(
+        math.pi * math.sqrt(20 / 2e-3), rel=0.02
+    )
