@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -33,7 +34,12 @@ from camgen.numerics import coordinates
 from camgen.parts.part import Part
 
 # The smallest sheet that will do, and in how many columns its list stands.
-_SHEETS = (("A3", SIZES["A3"], 1), ("A2", LARGE["A2"], 1), ("A2", LARGE["A2"], 2))
+_SHEETS = (
+    ("A3", SIZES["A3"], 1),
+    ("A2", LARGE["A2"], 1),
+    ("A1", LARGE["A1"], 1),
+    ("A1", LARGE["A1"], 2),
+)
 _SMALLEST = 0.5  # scale that will do
 _MOST = 12  # heights beside the section
 _HEIGHT = 2.5  # of their letters and those of notes, mm of paper
@@ -123,7 +129,9 @@ class _Page:
             self.notes = _packed(arrangement.notes, self.noted)
             self.lists = folded_in_full(items, self.high - 2 * MARGIN - BLOCK, columns)
             self.front, self.section = self._views()
-            if sum(map(len, self.lists)) == len(items) and self.front.scale >= _SMALLEST:
+            whole = all(item.whole for column in self.lists for item in column)
+            listed = sum(map(len, self.lists)) == len(items) and whole
+            if listed and self.front.scale >= _SMALLEST:
                 break
         self.scale = self.front.scale
 
@@ -132,12 +140,25 @@ class _Page:
         """The machine's own origin in the front."""
         return self.front.origin
 
+    @cached_property
+    def _depth(self) -> tuple[float, float]:
+        """From where to where the whole machine reaches, mm, without screws of which only what is in it is known."""
+        import shapely
+
+        whole = [copy for copy in self.arrangement.copies if not copy.short]
+        _, low, _, high = shapely.total_bounds([copy.cut for copy in whole]).tolist()
+        return (
+            min(low, *(copy.span[0] for copy in whole)),
+            max(high, *(copy.span[1] for copy in whole)),
+        )
+
     def _views(self) -> tuple[_View, _View]:
         """Front and section as large as they fit."""
+        most = 1.0 if self.size == "A1" else max(SCALES)  # it has room for more, not for larger
         pairs = [
             (front, section)
             for front, section in product(SCALES, SCALES)
-            if 1 / _UNLIKE <= front / section <= _UNLIKE
+            if 1 / _UNLIKE <= front / section <= _UNLIKE and max(front, section) <= most
         ]
         # the largest together, of these the most alike, of these the one with the larger section
         pairs.sort(key=lambda each: (-each[0] * each[1], abs(math.log(each[0] / each[1])), each[0]))
@@ -151,9 +172,12 @@ class _Page:
         """Front and section of these scales; None where they do not fit."""
         low, high = self.arrangement.box
         near, far = self.arrangement.deep
+        bottom, top = self._depth  # what is not cut reaches farther, and its size with it
+        over = max(_BAND + _NAMED, scales[1] * (top - far.imag))
+        under = max(_LOOSE, scales[1] * (near.imag - bottom))
         rooms = (
             _Room(scales[0] * (high - low), _BAND, _BAND + _SIZED),
-            _Room(scales[1] * (far - near), _BAND + _NAMED, _LOOSE),
+            _Room(scales[1] * (far - near), over, under),
         )
         slots = self._slots(rooms, place)
         views = []
@@ -335,10 +359,8 @@ class _Page:
 
         low, high = (self.front.at(z) for z in self.arrangement.box)
         whole = [copy for copy in self.arrangement.copies if not copy.short]
-        s0, low_cut, _, high_cut = shapely.total_bounds([copy.cut for copy in whole]).tolist()
-        z0 = min(low_cut, *(copy.span[0] for copy in whole))
-        z1 = max(high_cut, *(copy.span[1] for copy in whole))
-        depths = [(z0, z1, -14.0)]
+        s0 = float(shapely.total_bounds([copy.cut for copy in whole])[0])
+        depths = [(*self._depth, -14.0)]
         bearings = self.arrangement.bearings
         depths += [(a, b, -7.0) for a, b in zip(bearings, bearings[1:], strict=False)]
         across = complex(high.real, low.imag), -1j * (_BAND + _SIZED - 2)

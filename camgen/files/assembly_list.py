@@ -45,6 +45,12 @@ class Item:
         columns = [_wrapped(cell, column - 2, self.most) for cell, column in wide]
         return list(zip_longest(*columns, self.heights, fillvalue=""))
 
+    @property
+    def whole(self) -> bool:
+        """Whether its cells have all that they are to say."""
+        said = (" ".join(filter(None, column)) for column in zip(*self.lines, strict=True))
+        return [*said][2:4] == [" ".join(self.what.split()), " ".join(self.designation.split())]
+
 
 def _wrapped(text: str, room: float, most: int) -> list[str]:
     """A text in so many lines of a cell at most; of one that is too long as much as there is room for."""

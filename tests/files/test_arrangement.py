@@ -485,11 +485,14 @@ def test_a_cam_and_its_section_have_one_scale_and_letters_of_one_height() -> Non
     _, arrangement = machine("metal disc-cam")
     page = _Page(arrangement)
     assert page.front.scale == page.section.scale == 1.0
-    _, arrangement = machine("gallery/walker")
+    mechanism, arrangement = machine("quick-return")
     page = _Page(arrangement)
     assert page.front.scale != page.section.scale
-    texts = [each for each in page.draw("walker", Facts()).primitives if isinstance(each, Text)]
-    depth = [each.height for each in texts if each.text == "(179.1)"]
+    texts = [each for each in page.draw("rack", Facts()).primitives if isinstance(each, Text)]
+    parts = mechanism.assembly.by_name
+    ends = [(each.z, each.z + parts[each.part].thickness) for each in mechanism.assembly.mounts]
+    whole = max(high for _, high in ends) - min(low for low, _ in ends)
+    depth = [each.height for each in texts if each.text == f"({whole:.1f})"]
     assert depth == [3.5]
 
 
@@ -544,7 +547,7 @@ def test_a_key_fills_its_keyway_and_a_spring_reaches_from_pin_to_pin() -> None:
     assert high_y - low_y == pytest.approx(long, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", [*MACHINES, "eccentric-drive", "uniform-swing"])
+@pytest.mark.parametrize("name", [*MACHINES, "eccentric-drive", "uniform-swing", "stitch-head"])
 def test_views_stand_beside_the_list_or_over_it(name: str) -> None:
     """No line of a view or a balloon lies in the list or the title block, and none outside the frame."""
     from camgen.files.arrangement_sheet import _Page
@@ -726,11 +729,30 @@ def test_a_designation_is_in_full_where_its_list_takes_no_more_columns() -> None
     assert "as in the parts list" in said and words[-1] not in said
     (column,) = folded_in_full([item], 100.0, 2)
     assert " ".join(line[3] for line in column[0].lines).split() == words
+    assert column[0].whole and not item.whole
     (column,) = folded_in_full([item], 5 * 4.0, 2)
     assert column == [item], "a head and four lines"
     (column,) = folded_in_full([item, item], (1 + 4 + 10) * 4.0, 2)
     first, second = (" ".join(line[3] for line in each.lines) for each in column)
     assert first.split() == words and "as in the parts list" in second, "as many as have room"
+
+
+@pytest.mark.parametrize(("name", "size"), [("gallery/dial-table", "A2"), ("gallery/walker", "A1")])
+def test_a_list_that_a_sheet_would_cut_takes_a_larger_one(name: str, size: str) -> None:
+    """All that the parts list says of the spring of a dial table, or of a walker's motor, is on the sheet, in letters of full height."""
+    from camgen.files.arrangement_sheet import _Page
+
+    mechanism, arrangement = machine(name)
+    page = _Page(arrangement)
+    assert page.size == size and (page.front.scale, page.section.scale) == (1.0, 1.0)
+    texts = [each for each in page.draw(name, Facts()).primitives if isinstance(each, Text)]
+    said = " ".join(each.text for each in texts)
+    assert "as in the parts list" not in said
+    longest = max(bought_things(mechanism), key=lambda thing: len(thing.listing))
+    words = longest.listing.split()
+    column = [each.text for each in texts if each.at.real == page.wide - 180 + 62 + 1]
+    rows = " ".join(" ".join(reversed(column)).split())
+    assert all(word in rows for word in words) and len(words) > 25
 
 
 def test_a_list_that_is_too_high_is_folded_and_says_how_many_items_it_lacks() -> None:
