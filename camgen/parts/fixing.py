@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from camgen.geometry.arcs import as_circle
 from camgen.machine.features import PinEyes
 from camgen.parts.part import ROD, Part, SizeNote
 from camgen.parts.standing import Round, Slot
@@ -41,6 +42,12 @@ def is_rod(part: Part) -> bool:
 def rod_fit(part: Part) -> str:
     """Fit of the rod of which a part is cut; "" of another part."""
     return next((note.fit for note in part.notes if isinstance(note, SizeNote)), "")
+
+
+def is_as_sold(part: Part) -> bool:
+    """Whether a part is bought and stays as it is, such as a dowel, a bush or a ball bearing: it is cut of no rod and has no flat."""
+    contours = (c for layer in part.layers for c in (layer.region.outer, *layer.region.holes))
+    return part.process == "bought" and not is_rod(part) and all(map(as_circle, contours))
 
 
 @dataclass(frozen=True)

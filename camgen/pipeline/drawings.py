@@ -135,7 +135,7 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         tolerance=_tolerance(sheet.tolerance, metal, part),
         number=drawing_number(mechanism, part.name),
         date=sheet.date or "",
-        fits=tuple(_sold(mechanism, part))
+        fits=()
         if part.process == "bought"
         else tuple(_fits(mechanism, part, sheet.seat_fit or bore_fit, looser(usual.profile))),
         points=frozenset(name[0] for each in mechanism.assembly.parts for name, _ in each.points),
@@ -777,14 +777,6 @@ def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fi
                         words = f"{own or play}, {words} {on}".rstrip()
                     yield Fit(place, 2 * radius, words, borne, nominal)
                     break
-
-
-def _sold(mechanism: Mechanism, part: Part) -> Iterator[Fit]:
-    """Of a bush the bore as it is sold, which its files have with its play."""
-    if part.name == BUSH:
-        for place, radius in filter(None, map(round_of, part.region.holes)):
-            sold = 2 * radius - mechanism.print.running_clearance
-            yield Fit(place, 2 * radius, f"in the files, sold as Ø{number(sold)}")
 
 
 def _seat(part: Part, words: str, borne: bool, seat: str, usual: bool) -> tuple[str, str]:

@@ -30,6 +30,7 @@ from camgen.judge.round_trip import (
 from camgen.machine.features import CamOutline, Edge, Feature, judged_outputs, parts_of
 from camgen.machines.mechanism import Mechanism
 from camgen.parts.fits import Compensation, compensated
+from camgen.parts.fixing import is_as_sold
 from camgen.parts.part import Part
 from camgen.pipeline.case import Case
 from camgen.pipeline.expectation import nominal_part
@@ -53,7 +54,7 @@ Read = dict[
 def judge_part(
     case: Case, name: str, kinds: Sequence[str], dimensioned: bool = True
 ) -> tuple[Outcome, Read]:
-    """Read one part's files; dimensioned: its drawing with dimensions too, which stands beside its DXF."""
+    """Read one part's files; dimensioned: its drawing with dimensions too, which stands beside its DXF but where it is bought."""
     mechanism = case.mechanism
     part = case.parts[name]
     features = mechanism.assembly.features
@@ -88,7 +89,7 @@ def judge_part(
         shape = nominal(fit if FORMATS[kind].solid else None)
         verdict = PartVerdict(()) if blank else _JUDGES[FORMATS[kind].holds](path, shape)
         findings += verdict.findings
-        if kind == "dxf" and dimensioned:
+        if kind == "dxf" and dimensioned and not is_as_sold(part):
             findings.append(judge_dimensioned(case.file(f"{name}-drawing", kind), shape))
         if verdict.sections:
             sections[kind] = verdict.sections

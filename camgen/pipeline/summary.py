@@ -16,6 +16,7 @@ from camgen.errors import FileError
 from camgen.files.cutting import SheetPicture, sheet_picture
 from camgen.files.formats import RENDERED, SOLID
 from camgen.geometry.outlines import Floats
+from camgen.parts.fixing import is_as_sold
 from camgen.pipeline.case import Case
 from camgen.plotting import write_plots
 from camgen.report.page import once, write_html
@@ -69,12 +70,14 @@ def _sheets(case: Case) -> list[SheetPicture]:
 
 
 def draw_part(case: Case, name: str, folder: Path) -> None:
-    """Write the dimensioned drawing of a part."""
+    """Write the dimensioned drawing of a part; nothing of one that is used as it is sold."""
     from camgen.files import drawing
     from camgen.pipeline.drawings import facts_of
 
     mechanism = case.mechanism
     part = case.parts[name]
+    if is_as_sold(part):
+        return
     facts = facts_of(mechanism, part)
     drawing.write_drawing(folder, mechanism.name, part, mechanism.accuracy.chord_tolerance, facts)
 

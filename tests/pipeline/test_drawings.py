@@ -28,11 +28,14 @@ from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
 from camgen.parts.assembly import by_heights
+from camgen.parts.fixing import is_as_sold
 from camgen.parts.keyways import keyed
-from camgen.parts.part import Layer, Part
+from camgen.parts.part import Layer, Part, d_bore
+from camgen.pipeline.case import Case
 from camgen.pipeline.drawings import facts_of
 from camgen.pipeline.making import parts_table
 from camgen.pipeline.shopping import steps_of_assembly
+from camgen.pipeline.summary import draw_part
 
 SPECS = Path(__file__).resolve().parents[2] / "specs"
 
@@ -170,9 +173,6 @@ def test_mating_sizes_of_metal_have_fits_of_their_own(tmp_path: Path) -> None:
     texts = {each.dxf.text for each in space.query("TEXT")}
     assert "Size" not in texts, "no table: the view along it has all"
     assert fits(found["hand-crank"])[40] == "H7 (+0.012/0), pressed and glued on Ø5 m6"
-    path, *_ = write_drawing(tmp_path, "x", parts["pin-1"], 1e-3, found["pin-1"])
-    texts = [each.dxf.text for each in ezdxf.readfile(path).modelspace().query("TEXT")]
-    assert "Bought, not made: this sheet shows which one" in texts
     assert "hole P for a pin pressed and glued in" in parts["crank"].notes
     assert "pressed and glued in" in parts["knob-pin"].notes
     assert "hole O keyed and glued on the shaft" in parts["crank"].notes
@@ -361,8 +361,8 @@ def test_a_board_is_open_where_a_hand_crank_and_collars_turn() -> None:
     bushes = "Press 2 × bush into O and C of ground, from above, flush with its underside. "
     bushes += "The shaft must turn freely in each bush: pressing narrows them, so open one that is tight. "
     bushes += "Grease each bush inside, and the faces round it on which something runs. "
-    bushes += "Then put the ground plate on shaft and on shaft-table."
-    assert any(bushes in each.title for each in steps_of_assembly(machine).steps)
+    (pressed,) = (each for each in steps if bushes in each)
+    assert pressed.endswith(" Put the ground plate on shaft and on shaft-table.")
     assert any("once more after it went through a greased bore" in each for each in steps)
     length = "7.5 to 10 longer than the board is thick"  # 1.5 of M5, the plate's thickness
     assert f"M5, for a core hole of 4.2, such as ISO 4762, {length}" in said
@@ -493,10 +493,18 @@ def test_the_seat_of_a_ball_bearing_has_its_own_heights(tmp_path: Path) -> None:
     assert "z upwards; corners at most R0.1" in texts and "z 0" in texts
 
 
-def test_a_bush_is_told_as_it_is_sold(tmp_path: Path) -> None:
-    """ISO 4379 C 10 x 16 x 10 has a bore of 10; the files have it 0.03 wider, so that the shaft turns in it."""
-    said = _notes("bush", tmp_path)
-    assert "%%c10.03 in the files" in said and "sold as %%c10" in said and "10 x 16 x 10" in said
+def test_what_stays_as_it_is_sold_has_no_sheet(tmp_path: Path) -> None:
+    """Bush and dowels are ordered by their rows of the list; the collar is made, and the rod of a one-way clutch has a flat ground on."""
+    mechanism, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
+    names = ("bush", "pin-1", "dowel-lock-crank_to_table", "collar")
+    for name in names:
+        draw_part(Case(mechanism, tmp_path), name, tmp_path)
+    assert {path.name.partition("-drawing")[0] for path in tmp_path.iterdir()} == {
+        "geneva-table-collar"
+    }
+    round_ = Part("rod", "Rod", (Layer(Region(circle(0j, 3.0)), 0.0, 20.0),), process="bought")
+    flat = Layer(Region(d_bore(6.0, 0.8)), 20.0, 30.0)
+    assert is_as_sold(round_) and not is_as_sold(replace(round_, layers=(*round_.layers, flat)))
 
 
 def test_a_shaft_with_a_flat_has_no_shoulder_in_its_view(tmp_path: Path) -> None:

@@ -209,7 +209,8 @@ def _mount_screws(
     # of a screw, beside what is there; a board that metal is screwed on has a wall there
     head = s.mount_diameter * (2 if layout.metal else 1)
     motors = _motors(layout, points)
-    beside = [*hubs]
+    # a thread in metal has its own diameter beside a seat
+    beside = [(z, radius + s.mount_diameter * layout.metal) for z, radius in hubs]
     beside += [(points[shaft], collar + head) for shaft in layout.shafts if shaft in points]
     if s.face is not None:
         beside += [(motor, s.face.reach + head) for motor in motors]
