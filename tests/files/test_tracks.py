@@ -213,7 +213,7 @@ def test_walls_of_a_plate_groove_are_cut_and_show_its_width(
     """A roller of 10 with its play; the cut runs along y through the dwells: the inner wall is 30 and 45 from the axis, the outer one
     a groove's width farther; both are 6 thick, on the back plate. No edge is dashed. In metal the bore of 10 has a keyway 1.4 deep
     [DIN 6885]."""
-    settings = [f"material.name={material}"]
+    settings = [f"material.name={material}", "parts.bore=10", "parts.bore_shape="]
     machine = read_mechanism(SPECS / "gallery" / "groove.toml", settings).resolved()
     parts = {part.name: part for part in machine.assembly.parts}
     assert facts_of(machine, parts["back"]).groove is None

@@ -174,7 +174,8 @@ def test_a_machines_cam_has_up_in_its_files_and_in_its_step(tmp_path: Path) -> N
         ("disc-cam", (), set()),  # its rise and return are alike
         ("gallery/valve", (), {"cam"}),
         ("indexing-cam", (), {"cam", "return-cam"}),
-        ("gallery/groove", (), {"inner"}),
+        ("gallery/groove", ("parts.bore_shape=",), {"inner"}),
+        ("gallery/groove", (), set()),  # the flat and both pins fit one way up
     ],
 )
 def test_a_cam_alone_says_which_side_is_up_where_it_matters(
