@@ -6,13 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from camgen.machine.features import PinEyes
+from camgen.machine.model import GROUND
 from camgen.parts.fixing import Fixing
 from camgen.parts.mates import mates_between
 from camgen.parts.standing import StandingCopy
 from camgen.tolerances import SAME_POINT
 
 _Key = tuple[float, int, int, str, int, bool, float]
-_STANDS, _ON_IT, _FROM_ABOVE = 1, 2, 3  # what comes last on a level, in this order; 0 of all else
+# what comes last on a level, in this order; 0 of all else
+_LOOSE, _STANDS, _ON_IT, _FROM_ABOVE = 1, 2, 3, 4
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,12 @@ def layings_of(
     clusters: dict[_Key, list[StandingCopy]] = {}
     clustered = _clusters(copies, levels, fixing)
     rank = {name: _FROM_ABOVE for name, level in last.items() if level is not None}
+    rank |= {
+        copy.name: _LOOSE
+        for cluster in clustered
+        if _nothing_holds(cluster, copies, levels, fixing)
+        for copy in cluster
+    }
     for cluster in clustered:
         over = _first_on(cluster, copies, levels, fixing)
         if over is not None:
@@ -116,6 +124,21 @@ def _first_on(
     level, first = min(meets, key=lambda each: each[0], default=(0.0, None))
     free = first and all(mate.how == "free" for mate in mates_between([first], [pin], fixing))
     return first if free and level > levels[pin.name] + SAME_POINT else None
+
+
+def _nothing_holds(
+    cluster: Sequence[StandingCopy],
+    copies: Sequence[StandingCopy],
+    levels: Mapping[str, float],
+    fixing: Fixing,
+) -> bool:
+    """Whether a link is laid down loose, with what is fixed on it: it comes when all else of its level has been tried."""
+    links = [copy for copy in cluster if copy.part.points and copy.mount.body != GROUND]
+    if not links or any(copy.part.name in fixing.driven for copy in links):
+        return False
+    level = levels[cluster[0].name] + SAME_POINT
+    there = [copy for copy in copies if copy not in cluster and levels[copy.name] < level]
+    return not mates_between(cluster, there, fixing)
 
 
 def _clusters(

@@ -116,6 +116,10 @@ class HoldingNote(str):
     """A note that says how a part is held, or which way it lies; the steps of assembly have it too."""
 
 
+class GluedNote(HoldingNote):
+    """One that says that a part is glued by its lower face on what it stands."""
+
+
 @dataclass(frozen=True)
 class Part:
     """One distinct part: `layers` of material, `engraved` layers taken away, and how many are needed.

@@ -319,7 +319,9 @@ def _centred(step: Step, hole: tuple[str, str], far: Assembly, sizes: Parts) -> 
         Doing(
             f"lay {plate} on the pins, dry, and push {gauge} through its {letter} into {letter} of {part}"
         ),
-        Doing("leave both there until the glue is hard: then its axis is that of the shaft"),
+        Doing(
+            "leave both there until the glue is hard: then its axis is that of the shaft. Take both off again"
+        ),
     ]
     return replace(step, doings=[*step.doings, *doings], gauges=gauges)
 

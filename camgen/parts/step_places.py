@@ -24,6 +24,7 @@ from camgen.parts.step_words import (
     called,
     gauge_tools,
     listed,
+    pronoun,
     thickness_gauge,
     turned,
     verb,
@@ -136,7 +137,6 @@ def _meeting(
         hangs = shaft.part.name if joint and hangs_by_head(shaft, below, fixing) else ""
         on = f"on {shaft.part.name}{at}"
         room, _ = room_under(shaft, below) if hangs else (0.0, "")
-        room = room if room > RESTS else 0.0
         tools = gauge_tools(gap) if set_by or ", with " in high else ()
         if " under it)" in high:
             tools = gauge_tools(hole.low - min(each.low for each in shaft.outlines))
@@ -232,14 +232,15 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         )
     hanging = listed(dict.fromkeys(each.hangs for each in fixed if each.hangs))
     if hanging:
-        under = dict.fromkeys((each.room, each.hangs) for each in fixed if each.room)
-        rooms = listed(f"{gap:.4g} mm under {pin}" for gap, pin in under)
-        rod = (
-            f": a rod or block in the gap of {rooms} stays until the glue is hard; then push it out to the side"
-            if rooms
-            else ""
-        )
-        props = tuple(gap for gap, _ in under)
+        under = dict.fromkeys((each.room, each.hangs) for each in fixed if each.room > SAME_POINT)
+        props = tuple(gap for gap, _ in under if gap > RESTS)
+        rooms = listed(f"{gap:.4g} mm under {pin}" for gap, pin in under if gap > RESTS)
+        held = [f"a rod or block in the gap of {rooms}"] if rooms else []
+        held += [f"{thickness_gauge(gap)} under {pin}" for gap, pin in under if gap <= RESTS]
+        them = pronoun(held[0]) if len(held) == 1 else "them"
+        stay = "stays" if them == "it" else "stay"
+        rest = f" {stay} until the glue is hard; then push {them} out to the side"
+        rod = f": {listed(held)}{rest}" if held else ""
         yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}", props=props)
 
 

@@ -31,7 +31,7 @@ from camgen.parts.loose_parts import (
     waiting_under,
 )
 from camgen.parts.mates import mated, mates_between
-from camgen.parts.part import HoldingNote, Part
+from camgen.parts.part import GluedNote, HoldingNote, Part
 from camgen.parts.standing import Round, StandingCopy
 from camgen.parts.step_places import fixed_on_pin, gap_under, places_of
 from camgen.parts.step_words import (
@@ -50,6 +50,7 @@ from camgen.study import Doing, Mate, Step, Table
 from camgen.tolerances import SAME_POINT
 
 COLUMNS = ("step", "part", "what", "where", "count", "underside at z, mm", "lies")
+_FOOT = 1.0  # mm, of a part that is glued by its foot, for the picture
 _SMALL = ("spacer", "sleeve", "cap", "nut")  # of parts of which several are put on in one step
 
 
@@ -133,7 +134,7 @@ def order(
                 small=part.role in _SMALL or part.process == "dummy",
                 follows=begins,
                 hand_fits=by_hand,
-                glued=[] if alone else [*_glued_on_motor(laying.copies, fixing)],
+                glued=[] if alone else [*_glued_besides(laying.copies, fixing)],
             )
         )
         (bench if alone else there).extend(laying.copies)
@@ -141,7 +142,7 @@ def order(
             row, doings = _put_in(cluster, there, later, fixing, blocks)
             rows.append((len(rows) + 1, *row))
             by_hand = [*_by_hand(cluster, there, fixing)]
-            glued = [*_glued_on_motor(cluster, fixing)]
+            glued = [*_glued_besides(cluster, fixing)]
             steps.append(Step(doings, group=group, hand_fits=by_hand, glued=glued))
             there += bench
             bench = []
@@ -296,12 +297,18 @@ def _on_shaft_of_motor(copies: Sequence[StandingCopy], fixing: Fixing) -> list[R
     ]
 
 
-def _glued_on_motor(copies: Sequence[StandingCopy], fixing: Fixing) -> Iterator[Mate]:
-    """Where the flat of a motor's shaft is glued in copies, for the picture: the shaft is none of the parts."""
+def _glued_besides(copies: Sequence[StandingCopy], fixing: Fixing) -> Iterator[Mate]:
+    """Where the flat of a motor's shaft is glued in copies, and where these are glued on what they stand, for the picture: the shaft is
+    none of the parts, and nothing goes through a face."""
     for hole in _on_shaft_of_motor(copies, fixing):
         if hole.flat:
             place = hole.at.real, hole.at.imag, (hole.low + hole.high) / 2
             yield Mate("glue", hole.name, place, hole.diameter, hole.high - hole.low)
+    for copy in copies:
+        if any(isinstance(note, GluedNote) for note in copy.part.notes):
+            foot = copy.outlines[0]
+            place = foot.at.real, foot.at.imag, foot.low
+            yield Mate("glue", "", place, foot.diameter, _FOOT, True)
 
 
 def _on_motor(

@@ -937,6 +937,40 @@ def test_a_walker_s_motor_and_batteries_come_from_where_they_go_and_are_seen() -
     assert np.ptp([z.real for z in ring]) == pytest.approx(52 + play)
 
 
+def test_nothing_is_tried_while_a_link_lies_loose() -> None:
+    """Legs of a walker that their rods join later lie on a block: these rods come next that are not on the same level."""
+    walker = built("walker")
+    steps = order_of_assembly(walker.assembly).steps
+    heights = {mount.part: mount.z for mount in reversed(walker.assembly.mounts)}
+    for leg, rod in (("leg4", "conn4"), ("leg3", "conn3")):
+        laid = next(k for k, step in enumerate(steps) if f"ay {leg} as the picture" in step.title)
+        joined = next(k for k, step in enumerate(steps) if f"et {rod} with" in step.title)
+        between = steps[laid + 1 : joined]
+        assert laid < joined and not any("ove leg" in step.title for step in between)
+        names = {copy.rpartition("-")[0] for step in between for copy in step.copies}
+        assert all(heights[name] > heights[leg] for name in names if name in ("conn4", "high4"))
+        assert not any(name.startswith("cap-") for name in names), "these are of its level"
+
+
+def test_posts_that_are_glued_on_a_plate_show_where() -> None:
+    """Round the holes of their screws, on the face of the plate, of the far side too, whose plate is 5 thick and turned over."""
+    walker = built("walker")
+    steps = [
+        step for step in steps_of_assembly(walker).steps if "Glue each on the plate" in step.title
+    ]
+    plates = {mount.part: mount.z for mount in walker.assembly.mounts if "ground" in mount.part}
+    faces = [plates["ground"] + 5, plates["far-ground"]]
+    for step, face in zip(steps, faces, strict=True):
+        marks = [mate for mate in step.mates if mate.how == "glue"]
+        assert [mate.place[2] for mate in marks] == pytest.approx([face] * 4)
+        assert {(round(x, 6), round(y, 6)) for x, y, _ in (mate.place for mate in marks)} == {
+            (-4, -30.4),
+            (-24, 29.6),
+            (4, -46.4),
+            (24, 29.6),
+        }
+
+
 def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     """Pins that hang by their heads are held, flats go on flats, a gap that posts leave is not set, the crank's height is."""
     walker = built("walker")
@@ -958,8 +992,9 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
         top - parts[pin].thickness - low[leg] - parts[leg].thickness
         for pin, leg in (("pin-2", "leg3"), ("pin-4", "leg2"))
     ]
-    assert f"gap of {gaps[1]:.4g} mm under pin-4 stays until" in lid
     assert gaps[0] == pytest.approx(0.2), "two sheets of paper"
+    paper = "two sheets of paper under pin-2 stay until the glue is hard"
+    assert f"gap of {gaps[1]:.4g} mm under pin-4 and {paper}; then push them out" in lid
     stands = (
         "over B of low1, cap-1 down, on two sheets of paper on leg3",
         f"over B2 of low2, cap-3 down, on a rod or block {gaps[1]:.4g} mm high on leg2",
@@ -1119,6 +1154,7 @@ def test_the_web_of_the_far_side_is_held_on_its_axis_by_a_gauge() -> None:
     (web,) = (step for step in steps if step.gauges)
     assert web.apart == "far side" and "Glue N on crank-pin-1" in web.title
     assert "push the gauge through its O into O of crank_web3" in web.title
+    assert web.title.endswith("Take both off again."), "parts come between"
     (gauge,) = web.gauges
     (listed,) = (each for each in tools(walker) if each.name == "gauge")
     assert listed.size == f"{gauge}, cut of the same rod" and listed.count == 1

@@ -36,7 +36,7 @@ from camgen.parts.generator.sizes import SIDE_SPACER, SUNK, Battery, Parts
 from camgen.parts.generator.troughs import rails
 from camgen.parts.hardware import plate, spacer
 from camgen.parts.level_rules import Axis, Thing, Wall, ways
-from camgen.parts.part import HoldingNote, Layer, Part, d_bore, hull
+from camgen.parts.part import GluedNote, HoldingNote, Layer, Part, d_bore, hull
 
 SECOND = "second-plate"
 # mm, between places that are tried for a post, and how far beyond the ground's points at first
@@ -363,11 +363,11 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     bore = _through(s) if joined else core
     post = spacer("post", "Post", bore, 2 * post_radius(s), ceiling - floor, least)
     held = (
-        "glue each on the plate, over the hole of its screw"
+        GluedNote("glue each on the plate, over the hole of its screw")
         if joined
-        else "screw each on from below, through the plate"
+        else HoldingNote("screw each on from below, through the plate")
     )
-    post = replace(post, notes=(*post.notes, HoldingNote(held)))
+    post = replace(post, notes=(*post.notes, held))
     yield from ((post, Mount("post", GROUND, z, z=floor)) for z in layout.second.columns)
     if s.side_gap:
         wide = 2 * max(wide for _, wide in _posts(layout)[0])
@@ -379,10 +379,14 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
             s.side_gap,
             least,
         )
-        held = "glue each on the second plate, round a post's screw"
-        if joined:
-            held = "tilt the machine and screw each on from below, through plate, post and second plate"
-        between = replace(between, notes=(*between.notes, HoldingNote(held)))
+        held = (
+            HoldingNote(
+                "tilt the machine and screw each on from below, through plate, post and second plate"
+            )
+            if joined
+            else GluedNote("glue each on the second plate, round a post's screw")
+        )
+        between = replace(between, notes=(*between.notes, held))
         yield from (
             (between, Mount(between.name, GROUND, z, z=ceiling + floor))
             for z in layout.second.columns
