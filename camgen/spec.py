@@ -449,7 +449,8 @@ class Drawing(Record):
         description="tolerance of a cam's track: the width of its zone (line profile, ISO 1101); default: 0.05 in metal, else none",
     )
     roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
-        default=None, description="Ra of a cam's track; default: 0.8 in metal, else not shown"
+        default=None,
+        description="Ra of a cam's track, or of a Geneva wheel's slots and its lock; default: in metal 0.8 and 1.6, else not shown",
     )
     bore_roughness: Annotated[float, quantity("um", gt=0, le=100)] | None = Field(
         default=None,
@@ -479,7 +480,7 @@ class Drawing(Record):
     heat_treatment: Annotated[str, said(60)] | None = Field(
         default=None,
         description='heat treatment, such as "case hardened 60+4 HRC, CHD 0.8+0.4"; default: the treatment that the material needs to bear '
-        "its load, if any, for what rolls, slides or is a pin; for 16MnCr5 only where a follower runs",
+        "its load, if any, for what rolls, slides or is a pin, a roller in slots of C45 or 42CrMo4 harder than these; for 16MnCr5 only where a follower runs",
     )
     protection: Annotated[str, said(60)] | None = Field(
         default=None,

@@ -127,26 +127,21 @@ METAL = {
     ),
 }
 
-# What its comments say of a print, and what is so in metal.
-_OF_PRINTS = {
-    "show their defaults": "show the defaults of prints (metal has its own)",
-    "\nnozzle = 0.4  ": "\n# nozzle = 0.4",
-    "\nhub_diameter = 16  ": "\n# hub_diameter = 16",
-    "\nhub_height = 6  ": "\n# hub_height = 6",
-    "\nmin_wall = 0.8  ": "\n# min_wall = 0.8",
-}
+# Keys of prints that a starter sets, behind a #.
+_OF_PRINTS = ("nozzle = 0.4", "hub_diameter = 16", "hub_height = 6", "min_wall = 0.8")
 
 _WIDE = 110  # characters of a line
 
 
 def in_metal(name: str) -> str:
     """A starter or an example of METAL, to be cut of steel."""
+    from camgen import metal_comments
     from camgen.edits import edited
 
     whole = edited(text(name), METAL[name])
-    for words, in_steel in _OF_PRINTS.items():
-        whole = whole.replace(words, in_steel)
-    return whole
+    for words in _OF_PRINTS:
+        whole = whole.replace(f"\n{words}  ", f"\n# {words}")
+    return metal_comments.in_metal(whole)
 
 
 def short(whole: str) -> str:

@@ -12,6 +12,7 @@ from starter_comments import rows, written
 from test_cli import run as run  # noqa: F401  a fixture
 
 from camgen import starters
+from camgen.edits import edited
 from camgen.machines import MECHANISMS, load
 from camgen.machines.loads.assess import assess
 from camgen.parts import materials
@@ -281,12 +282,26 @@ def test_a_name_that_fills_its_column_keeps_a_space_before_its_comment() -> None
 
 @pytest.mark.parametrize("name", starters.METAL)
 def test_the_comments_of_a_starter_of_steel_are_not_those_of_a_print(name: str) -> None:
-    """Its thickness behind a # is 6 mm, which in steel is 12; nothing that it sets is of a printer."""
+    """Its thickness behind a # is 6 mm, which in steel is 12; nothing in it speaks of a printer, and what it sets is what the starter and
+    METAL set, but for sizes of prints. A key stands once, with its comment."""
     whole = starters.in_metal(name)
     assert "show their defaults" not in whole
-    assert "nozzle" not in tomllib.loads(whole).get("print", {})
-    columns = [line.find("# mm") for line in whole.splitlines() if "nozzle = " in line]
-    assert columns in ([], [36])
+    words = r"nozzle|printers?|prints?(?![.\w])(?!\])|slicer|infill|first layer"
+    assert [
+        line for line in whole.splitlines() if re.search(rf"\b({words})\b", line, re.IGNORECASE)
+    ] == []
+    sets = tomllib.loads(edited(starters.text(name), starters.METAL[name]))
+    for table, key in (("print", "nozzle"), ("parts", "hub_diameter"), ("parts", "hub_height")):
+        if name != "geneva-table":  # whose table has a hub of its own
+            sets.get(table, {}).pop(key, None)
+    sets.get("limits", {}).pop("min_wall", None)
+    assert tomllib.loads(whole) == sets
+    texts = [
+        line
+        for line in whole.splitlines()
+        if line.startswith(('name = "C45"', "slide_clearance = "))
+    ]
+    assert all(line.find("#") == 36 for line in texts if name == "linkage") and texts
 
 
 @pytest.mark.parametrize("name", starters.METAL)

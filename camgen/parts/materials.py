@@ -30,6 +30,7 @@ class Material:
     glued: float | None = None
     metal: bool = False
     treatment: str = ""  # heat treatment, without which it does not bear that pressure
+    hard: str = ""  # treatment of what runs on a part with the former and is to wear less
     # mm, depth of the skin that it hardens alone, of what a follower runs on, ground afterwards; 0: hardened through
     case: float = 0.0
     number: str = ""  # of the steel [EN 10027-2], in the sources of its row
@@ -127,6 +128,8 @@ _PRINTS = (
 )
 
 _OILED = "oiled against rust"
+# S45C reaches 52 to 58 HRC, SCM440 55 to 60 [vsheattreatment.com/en/knowledge/hardening-by-steel-grade]; a thin ring is hardened through.
+_HARD = "hardened and tempered, 50+5 HRC, sizes hold after it"
 _CUT = (
     Material(
         "C45",
@@ -139,6 +142,7 @@ _CUT = (
         "limit for gears of S45C, quenched and tempered to 200 HB (SDP/SI, table 17-12)",
         metal=True,
         treatment="quenched and tempered, at least 200 HB",
+        hard=_HARD,
         number="1.0503",
         protection=_OILED,
     ),
@@ -152,6 +156,7 @@ _CUT = (
         "limit for gears of SCM440, quenched and tempered to 310 HB (SDP/SI, table 17-12)",
         metal=True,
         treatment="quenched and tempered, at least 310 HB",
+        hard=_HARD,
         number="1.7225",
         protection=_OILED,
     ),

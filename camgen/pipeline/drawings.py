@@ -61,6 +61,8 @@ _OF_ROD = replace(_IN_METAL, profile=0.0, roughness=0.0, symmetry=0.0, run_out=0
 # Of what bears on an inner ring, on a face a few tenths wide: camgen's own rule.
 _OF_SLEEVE = "free of burrs"
 _OF_JOURNAL = "free of burrs, corner under the head at most R0.1, free end chamfered 0.3 × 45°"
+# Ra of slots, hollows and their lock, micrometres: a roller comes and goes there, slowly; camgen's own choice, as milled.
+_MILLED = 1.6
 _RING = "h11"  # of what bears on an inner ring: no wider than that, and easily turned
 _ROD_STEEL = "C45+C"  # bright drawn: camgen's own choice
 SHAFT_STEEL = "C45"  # of shafts that are no parts
@@ -179,7 +181,8 @@ def facts_of(mechanism: Mechanism, part: Part) -> Facts:
         cutter=part.name in mechanism.assembly.whole_drums
         and mechanism.files.cutter_radius is not None,
         profile=profile,
-        roughness=sheet.roughness or usual.roughness,
+        roughness=sheet.roughness
+        or (_MILLED if usual.roughness and part.name in _slotted(mechanism) else usual.roughness),
         bore_roughness=sheet.bore_roughness or usual.bore_roughness,
         roughness_elsewhere=sheet.roughness_elsewhere or usual.roughness_elsewhere,
         symmetry=_asked(sheet.symmetry, usual.symmetry),
@@ -212,7 +215,8 @@ def _tolerance(given: str | None, metal: bool, part: Part) -> str:
 def _treatment(mechanism: Mechanism, part: Part, runs: bool) -> str:
     """Heat treatment of a part of metal, as its loads count on it; runs: whether a follower, a roller or another part runs on it.
 
-    Links that turn on bearings alone bear no contact, and what is in no joint, such as a knob or a collar, no load.
+    Links that turn on bearings alone bear no contact, nor do those that carry the pin of a roller, and what is in no joint, such as a knob or
+    a collar, no load. A roller is harder than what it rolls in: each place of that meets it once a turn, its own rim far more often.
     """
     material = materials.of(mechanism.material.name)
     assembly = mechanism.assembly
@@ -221,9 +225,12 @@ def _treatment(mechanism: Mechanism, part: Part, runs: bool) -> str:
     joints = [
         each
         for each in assembly.features
-        if not (isinstance(each, Mark) or (isinstance(each, PinEyes) and each.rings))
+        if not (isinstance(each, Mark | EdgePair) or (isinstance(each, PinEyes) and each.rings))
     ]
-    loaded = runs or part.name in {*parts_of(joints), *_pins(mechanism), *_rollers(mechanism)}
+    if material.hard and part.name in _edge_rollers(mechanism):
+        return material.hard
+    pins = {name for name in _pins(mechanism) if assembly.by_name[name].role}
+    loaded = runs or part.name in {*parts_of(joints), *pins, *_rollers(mechanism)}
     pressed = any(map(flat_of, part.region.holes))  # by the flat of a shaft
     if loaded or pressed or assembly.dowel:
         return material.treatment
@@ -717,8 +724,13 @@ def _rollers(mechanism: Mechanism) -> Iterator[str | None]:
     for each in mechanism.assembly.features:
         if isinstance(each, CamOutline):
             yield each.roller
-        elif isinstance(each, EdgePair):
-            yield from (edge.part for edge in (*each.a, *each.b) if edge.seat)
+    yield from _edge_rollers(mechanism)
+
+
+def _edge_rollers(mechanism: Mechanism) -> Iterator[str]:
+    """Names of the parts that roll in a slot or the like."""
+    pairs = (each for each in mechanism.assembly.features if isinstance(each, EdgePair))
+    yield from (edge.part for pair in pairs for edge in pair.edges if edge.seat)
 
 
 def _fits(mechanism: Mechanism, part: Part, seat: str, play: str) -> Iterator[Fit]:
