@@ -116,7 +116,6 @@ LIGHT = {
     "errors",
     "extras",
     "findings",
-    "metal_comments",
     "tolerances",
     "report.terminal",
     "files.folder",

@@ -254,7 +254,7 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
     its drawing, its material, and the mass of one.
 
     sides: on which printed parts lie on the bed, where their solids are known. Of a material that is not printed nothing is said
-    of printing.
+    of printing, nor of the mass of all copies.
     """
     from camgen.files.parts_list import parts_list
     from camgen.pipeline.assembly_list import FOR_SHOP, for_shop, numbers_of
@@ -333,7 +333,8 @@ def parts_table(mechanism: Mechanism, sides: Mapping[str, Side] = MappingProxyTy
         "on the bed, mm^2",
         "overhang, mm^2",
     )
-    kept = len(columns) if materials.of(material).printed else columns.index("print time, min")
+    # of what is not printed the mass of one alone, that of its drawing
+    kept = len(columns) if materials.of(material).printed else columns.index("material, mm^3") + 1
     more = zip(numbers_of(mechanism, rows), for_shop(mechanism, rows), strict=True)
     cells = [(*row[:kept], number, *cells) for row, (number, cells) in zip(rows, more, strict=True)]
     return Table("Parts list", (*columns[:kept], "no", *FOR_SHOP), cells, digits=3, shopping=True)

@@ -173,6 +173,14 @@ def test_a_gap_is_set_by_what_is_at_hand() -> None:
     assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.7, 0.99)} == {"a feeler gauge"}
 
 
+@pytest.mark.parametrize("name", ["geneva-table", "linkage"])
+def test_how_long_compound_cures_is_said_once(name: str) -> None:
+    machine = read_mechanism(tomllib.loads(in_metal(name)))
+    steps = [step.title for step in steps_of_assembly(machine).steps]
+    (said,) = (each for each in steps if "hour" in each)
+    assert "hard, at least half an hour; only after 24 hours" in said
+
+
 def test_holes_of_a_metal_geneva_table_come_made_as_its_sheets_say() -> None:
     """The crank by hand has two bores, one keyed and one for the knob's pin, m6; the locking disc is put on its dowel by hand, and
     what it lies on says how high."""

@@ -107,7 +107,7 @@ def test_nothing_of_a_cut_cam_speaks_of_printers(tmp_path: Path) -> None:
     assert not list(folder.glob("*plate*.3mf"))
     assert (folder / "disc-cam-cam.step").exists() and "STEP" not in json.dumps(said["not_judged"])
     rows = (folder / "disc-cam-parts.csv").read_text(encoding="utf-8").splitlines()
-    made = 'how,part,what,count,"material, mm^3","mass in C45, g"'
+    made = 'how,part,what,count,"material, mm^3"'
     assert rows[0] == f'{made},no,drawing,material,"mass of one, g","overall, mm"'
     mass = float(rows[1].split(",")[-2])
     assert rows[1].startswith("made of C45,cam") and 130 < mass < 160
