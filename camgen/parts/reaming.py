@@ -99,6 +99,7 @@ def with_gluing(
     said += [_SWING] if moves else []
     gauges = [words for name, words in sorted(_GAUGES.items()) if name in needs]
     said += [_PULLED.format(" and ".join(gauges))] if gauges and not metal else []
+    said += [_PROPPED] if any(doing.props for step in table.steps for doing in step.doings) else []
     doing = Doing("\n".join(said), needs=("oil",) * moves)
     return begun(table, doing, "How parts are glued", "", "")
 
@@ -195,6 +196,7 @@ _SLOW = f"Where a step names {TWO_PART}, use that alone, and let it get hard bef
 _OUT_OF_JOINTS = "Where a pin goes through a part that turns on it, put the glue into the tight hole, none on the pin, and wipe off what comes out below"
 _GAUGES = {"plastic bag": "strips", "sheets of paper": "paper"}  # of tools that set gaps
 _PULLED = "Pull {} out of gaps as soon as the part is on, before the glue is hard, unless the step says to leave them there"
+_PROPPED = "A block under one part alone goes as soon as the glue is hard or another part holds it"
 
 
 def glue(metal: bool) -> str:

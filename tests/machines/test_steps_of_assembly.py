@@ -1260,9 +1260,16 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     assert any("the link must swing by its own weight" in rule for rule in rules)
     assert any(rule.startswith("Where a step names two-part glue, use that") for rule in rules)
     assert all(rule.endswith(".") for rule in rules)
-    assert "unless the step says to leave them there" in rules[-1], (
+    assert "unless the step says to leave them there" in rules[-2], (
         "strips under a pin from above stay"
     )
+    assert rules[-1].startswith("A block under one part alone goes as soon as the glue is hard")
+    names = {"ut a block under shaft", "ut a block under B of rocker"}
+    said = " ".join(step.title for step in steps_of_assembly(machine).steps)
+    assert all(name in said for name in names)
+    feeder = read_mechanism(spec.with_name("drum-feeder.toml"))
+    said = " ".join(step.title for step in steps_of_assembly(feeder).steps)
+    assert "glue" in said and "lock under" not in said, "nor is one taken away"
     walker = steps_of_assembly(built("walker")).steps[1]
     _, _, said = walker.title.partition("Open these until")
     loose, _, stays = said.partition("These holes stay tight")
