@@ -1106,7 +1106,7 @@ def _meant(path: Sequence[str | int], value: object, node: Data, root: Data) -> 
     if isinstance(value, bool) and unit and _scalar(node):
         return f"{in_words(node, root)}, in {unit}"
     least = max((each.get("minimum", 0.0) for each in members_of(node, root)), default=0.0)
-    if unit == "mm" and isinstance(value, int | float) and 0 < value < least:
+    if unit == "mm" and isinstance(value, int | float) and 0 < value < least <= 1e3 * value:
         return f"{in_words(node, root)}; lengths are in mm: {1e3 * value:.6g}?"
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:

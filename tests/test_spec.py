@@ -107,6 +107,7 @@ def faults(data: dict[str, Any]) -> dict[str, Fault]:
             "0.0008",
             "a number >= 0.001 and <= 1000000; lengths are in mm: 0.8?",
         ),
+        ({"width": 1e-300}, "shape.width", "1e-300", "a number >= 0.001 and <= 1000000"),
         ({"width": float("nan")}, "shape.width", "nan", "a number >= 0.001 and <= 1000000"),
         ({"width": float("-inf")}, "shape.width", "-inf", "a number >= 0.001 and <= 1000000"),
         (

@@ -8,7 +8,28 @@ from camgen.files.measures import Measure, dimension
 from camgen.files.sheet import Sheet
 
 # Standard scales, mm of paper for a mm of the part. [ISO 5455]
-SCALES = (50.0, 20.0, 10.0, 5.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+SCALES = (
+    50.0,
+    20.0,
+    10.0,
+    5.0,
+    2.0,
+    1.0,
+    0.5,
+    0.2,
+    0.1,
+    0.05,
+    0.02,
+    0.01,
+    0.005,
+    0.002,
+    0.001,
+    0.0005,
+    0.0002,
+    0.0001,
+    0.00005,
+    0.00002,
+)  # a drum of the longest length of a spec fits
 SIZES = {"A4": (297.0, 210.0), "A3": (420.0, 297.0)}
 LARGE = {"A2": (594.0, 420.0), "A1": (841.0, 594.0)}  # of a whole machine
 # Frame: 20 mm at the filing edge, 10 mm elsewhere. [ISO 5457]

@@ -27,7 +27,7 @@ from camgen.parts.caps import Faces, area, recap, triangles
 from camgen.parts.part import Layer, Part
 from camgen.tolerances import FLOAT32_ROUNDING, MERGED_STEPS
 
-# of the outlines of a stack of layers, whose union takes a time that grows almost with their square: 28,000 take half a minute
+# of the outlines of a drum, or of a stack of layers, whose union takes a time that grows almost with their square: 28,000 take half a minute
 _MOST_POINTS = 40_000
 _MOST_ALONE = MOST_TRIANGLES // 4  # of all outlines of a part: its mesh has four triangles for each
 _COUNTED = 1e-9  # of an outline's size, the tolerance down to which points are counted
@@ -42,12 +42,13 @@ def solid(part: Part, tolerance: float) -> Mesh:
     circumscribed, so that a pin still fits. A crossed part has no engraving. Raises DesignError where an outline crosses
     itself or another one, where the layers do not make exactly one body, or where their union would take minutes.
     """
+    plain = part.drum is None and part.side_profile is None
+    alone = plain and len(part.layers) == 1 and not part.engraved
+    refuse_too_fine(part, tolerance, _MOST_ALONE if alone else _MOST_POINTS)
     if part.drum is not None:
         mesh = _drum(part, part.drum, tolerance)
         _check(mesh, part.name)
         return mesh
-    alone = len(part.layers) == 1 and not part.engraved and part.side_profile is None
-    refuse_too_fine(part, tolerance, _MOST_ALONE if alone else _MOST_POINTS)
     layers = [
         _prism(layer, tolerance, part.name, pocket=False, fine=alone) for layer in part.layers
     ]

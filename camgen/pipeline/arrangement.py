@@ -550,12 +550,15 @@ def _of_solid(solid: Mesh, line: Cut) -> Shape:
 
 
 def _levels(solid: Mesh) -> list[float]:
-    """Heights of a solid's level upper faces, mm, from the highest down."""
+    """Heights of a solid's level upper faces, mm, from the highest down, each clearly below the one before."""
     corners = solid.vertices[solid.faces]
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]  # of the area from above
     level = (np.ptp(corners[:, :, 2], axis=1) < _UNDER) & (doubled > 0)
-    tops: list[float] = np.unique(np.round(corners[level, 0, 2], 6))[::-1].tolist()
+    tops = list[float]()
+    for top in np.unique(np.round(corners[level, 0, 2], 6))[::-1].tolist():
+        if not tops or tops[-1] - top > 2 * _UNDER:
+            tops.append(top)
     return tops
 
 

@@ -172,7 +172,7 @@ def _make_part(case: Case, name: str, only: frozenset[str]) -> tuple[Mesh, Mesh]
         fit = compensation(mechanism)
         mesh = solid(part, tolerance)
         printable = solid(compensated(part, fit), tolerance) if fit else mesh
-    elif part.drum is None:
+    else:
         from camgen.parts.solids import refuse_too_fine
 
         refuse_too_fine(part, tolerance)

@@ -12,6 +12,7 @@ import numpy as np
 
 from camgen.errors import DesignError
 from camgen.geometry.arcs import bulges, fit_arcs
+from camgen.geometry.facets import reach
 from camgen.geometry.outlines import Contour, extent, rectangle
 from camgen.machine.features import PartPose, heights
 from camgen.machine.model import Cam, Output, Path, Pose, unit_of
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 _DRAWN = 0.01  # mm, arc tolerance of the moving picture
 _FRAMES = 120  # of the moving picture
 _SEEN = 0.02  # mm, chord tolerance of solids that are only looked at
+_OF_SIZE = 1e-6  # the same of their size: no picture shows more
 _FRAMES_3D = 360  # fewer leave 0.07 mm at a sharp reversal
 
 
@@ -307,6 +309,6 @@ def coarse(part: Part, tolerance: float) -> Mesh:
     from camgen.parts.solids import solid
 
     try:
-        return solid(part, max(_SEEN, tolerance))
+        return solid(part, max(_SEEN, tolerance, _OF_SIZE * reach(part.region.outer)))
     except DesignError:
         return solid(part, tolerance)

@@ -18,7 +18,7 @@ import shapely
 from balloons_read import balloons_on
 
 from camgen.files.arrangement import Arrangement, Copy
-from camgen.files.arrangement_sheet import write_arrangement
+from camgen.files.arrangement_sheet import _Page, write_arrangement
 from camgen.files.assembly_list import Item, folded, folded_in_full, height
 from camgen.files.sheet import Size, Stroke, Text
 from camgen.files.title_block import Facts
@@ -693,6 +693,22 @@ def test_a_section_that_would_miss_all_parts_goes_through_the_largest(
     found = arrangement_of(mechanism, parts_table(mechanism))
     largest = max(found.copies, key=lambda copy: max(face.area for face, _ in copy.faces))
     assert not largest.cut.is_empty and found.line[1] == 1
+
+
+def test_a_machine_of_a_kilometre_has_a_scale_too() -> None:
+    _, arrangement = machine("gallery/flapping-bird")
+
+    def long(shape: Any) -> Any:
+        return shapely.transform(shape, lambda points: 1e4 * points)
+
+    copies = [
+        replace(copy, faces=[(long(face), top) for face, top in copy.faces], cut=long(copy.cut))
+        for copy in arrangement.copies
+    ]
+    axes = [replace(axis, at=1e4 * axis.at) for axis in arrangement.axes]
+    page = _Page(replace(arrangement, copies=copies, axes=axes))
+    low, high = page.arrangement.box
+    assert 50 < page.scale * (high.real - low.real) < page.wide
 
 
 def test_the_drawing_for_cad_is_at_full_size(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from camgen.geometry.outlines import Contour, Region, Smooth, circle, kidney, po
 from camgen.parts.caps import triangles
 from camgen.parts.part import Layer, Part, keyed_bore
 from camgen.parts.solids import _check, _upright, rings, solid
+from camgen.pipeline.arrangement import _levels
 
 ROOT = Path(__file__).parents[2]
 TOLERANCE = 1e-3
@@ -298,6 +299,25 @@ def test_points_of_an_outline_are_told_before_they_are_made(tmp_path: Path) -> N
         least = 1e-6 * (math.tau * 1e6 / chord / most) ** 2
         assert least / 2 < refused.value.limit < 1.6 * least
     assert time.process_time() - began < 10 and not [*tmp_path.iterdir()]
+
+
+def test_a_drum_of_many_points_is_refused_before_it_is_made() -> None:
+    """A drum of a kilometre: its walls are nearly level there, and caps of 70,000 points took minutes."""
+    drum = camgen.load(ROOT / "specs" / "cylinder-cam.toml").replace({"geometry.radius": 1e6})
+    with pytest.raises(DesignError, match="which may have 40,000 points"):
+        solid(drum.assembly.parts[0], 1e-3)
+
+
+def test_heights_of_slopes_that_are_nearly_level_are_told_once() -> None:
+    """Of a wall with a triangle each 2 um of height; faces that are clearly apart stay."""
+    corners = [
+        (x, k + y, z)
+        for k, z in enumerate([3.0, *np.arange(1.0, 1.001, 2e-6), 0.5])
+        for x, y in ((0, 0), (1, 0), (0, 1))
+    ]
+    found = _levels(Mesh(np.array(corners, float), np.arange(len(corners)).reshape(-1, 3)))
+    assert found[0] == 3.0 and found[-1] == 0.5 and len(found) < 9
+    assert max(np.diff(found)) < -2e-4
 
 
 def test_a_drawing_of_a_large_cam_has_no_more_points_than_it_shows() -> None:
