@@ -11,7 +11,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -20,7 +20,7 @@ import numpy as np
 from camgen.errors import DesignError, counted, listed
 from camgen.machine.constraints import Constraints
 from camgen.machine.grashof import crank_limits
-from camgen.machine.model import Drive, Machine, Pin, Place, Pose, Slide
+from camgen.machine.model import GROUND, Drive, Joint, Machine, Pin, Place, Pose, Slide, bodies_of
 from camgen.numerics import Floats
 
 # A singular value below this share of the largest is none.
@@ -85,14 +85,20 @@ def freedoms(machine: Machine) -> Freedom:
     )
 
 
-def _by_count(machine: Machine) -> Freedom:
-    """By Gruebler alone."""
-    pairs = sum(isinstance(joint, Pin | Slide) for joint in machine.joints)
-    half = len(machine.joints) - pairs
-    bodies = len(machine.moving)
-    return Freedom(
-        bodies, pairs, half, len(machine.drives), 3 * bodies - 2 * pairs - half, 0, 0, (), ()
-    )
+def _by_count(machine: Machine, names: Collection[str] | None = None) -> Freedom:
+    """By Gruebler alone; names: of bodies, of which the chain on the ground is counted in place of the whole."""
+    bodies = len(machine.moving) if names is None else len(names)
+    joints = [each for each in machine.joints if names is None or _among(each, names)]
+    pairs = sum(isinstance(joint, Pin | Slide) for joint in joints)
+    half = len(joints) - pairs
+    drives = sum(names is None or _among(each, names) for each in machine.drives)
+    return Freedom(bodies, pairs, half, drives, 3 * bodies - 2 * pairs - half, 0, 0, (), ())
+
+
+def _among(each: Joint | Drive, names: Collection[str]) -> bool:
+    """Whether a joint or a drive is between bodies of these names and the ground."""
+    bodies = bodies_of(each)
+    return bool(bodies) and {*bodies} - {GROUND} <= {*names}
 
 
 def refuse_unsound(machine: Machine) -> Freedom:
@@ -107,16 +113,7 @@ def refuse_unsound(machine: Machine) -> Freedom:
         if second and freedom.drives > 1:
             raise _drives_error(freedom, second)
         if second:
-            raise DesignError(
-                "degrees of freedom to drive",
-                0,
-                1,
-                "",
-                _joints(freedom.bound),
-                "take away a joint or a link",
-            ).saying(
-                f"the chain is rigid: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})"
-            )
+            raise _rigid_error(freedom)
         raise _dead_point(machine, freedom) or _locked_error(freedom)
     if freedom.moves:
         remedy = (
@@ -137,6 +134,21 @@ def refuse_unsound(machine: Machine) -> Freedom:
             remedy,
         ).saying(message)
     return freedom
+
+
+def _rigid_error(freedom: Freedom, links: Sequence[str] = ()) -> DesignError:
+    """A chain that nothing can drive; links: those that are rigid, where others are not."""
+    what = f"{listed('link', links)} cannot move" if links else "the chain is rigid"
+    return DesignError(
+        "degrees of freedom to drive",
+        0,
+        1,
+        "",
+        _joints(freedom.bound),
+        "take away a joint or a link",
+    ).saying(
+        f"{what}: {_joints(freedom.bound)} leave no degree of freedom to drive ({_tally(freedom)})"
+    )
 
 
 def _drives_error(freedom: Freedom, second: Sequence[str]) -> DesignError:
@@ -322,6 +334,14 @@ def close_drawing(machine: Machine) -> Machine:
             found = replace(freedom, spare=freedom.drives - freedom.count, bound=tuple(open_))
             motors = [drive.name for drive in machine.drives if drive.motor]
             raise _drives_error(found, motors) if motors else _locked_error(found)
+        open_ = [name for name in open_ if name in {joint.name for joint in machine.joints}]
+        joints = [machine.joint(name) for name in open_]
+        links = [
+            *dict.fromkeys(body for each in joints for body in bodies_of(each) if body != GROUND)
+        ]
+        part = _by_count(machine, links)
+        if part.count < part.drives:
+            raise _rigid_error(replace(part, bound=tuple(open_)), links)
         cranks = [drive.body for drive in machine.drives if drive.slide is None][:1]
         limits = "".join(crank_limits(machine, [(name,) for name in open_], it) for it in cranks)
         message = f"the lengths contradict each other: {_joints(open_)} {'stays' if len(open_) == 1 else 'stay'} open"

@@ -41,25 +41,24 @@ def _four_bar(joints: Sequence[Joint], crank: str) -> dict[str, float] | None:
 
 
 def crank_limits(machine: Machine, ends: Iterable[tuple[str, ...]], crank: str) -> str:
-    """Why the crank of each four-bar that opens does not turn fully, and the longest that would; empty where no four-bar opens.
+    """Why the crank of the first four-bar that opens does not turn fully, and the longest that would; empty where none opens.
 
     ends: names of the joints that open together, of each place.
     """
-    texts = {}
     for names in ends:
         bodies = {body for name in names for body in bodies_of(machine.joint(name))}
         bodies |= {crank, GROUND}
         loop = [joint for joint in machine.joints if bodies.issuperset(bodies_of(joint))]
         lengths = _four_bar(loop, crank)
-        if lengths is not None:
+        if lengths is not None and (said := _grashof(lengths, crank)):
             whole = len(loop) == len(machine.joints)
             where = "" if whole else f" in the loop of {listed('link', list(lengths)[1:])}"
-            texts[names] = f"by Grashof's rule{where} {_grashof(lengths, crank)}"
-    return f": {'; '.join(texts.values())}" if texts else ""
+            return f": by Grashof's rule{where} {said}"
+    return ""
 
 
 def _grashof(lengths: dict[str, float], crank: str) -> str:
-    """Why a four-bar's crank does not turn fully, and the longest that would."""
+    """Why a four-bar's crank does not turn fully, and the longest that would; "" where it does."""
     bar = four_bar(*lengths.values())
     shortest, *_, longest = sorted(lengths, key=lambda name: lengths[name])
     short = f"{shortest} ({lengths[shortest]:.6g} mm)"
@@ -73,4 +72,6 @@ def _grashof(lengths: dict[str, float], crank: str) -> str:
     if bar.margin < 0:
         ends = f"the shortest, {short}, and the longest, {long}"
         return f"{ends}, are together {-bar.margin:.4g} mm longer than the other two{cure}"
+    if shortest == crank:
+        return ""
     return f"only the shortest link turns fully, and that is {short}, not {crank}{cure}"

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,6 +21,7 @@ from chains import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import camgen
 from camgen.errors import DesignError
 from camgen.machine import (
     GROUND,
@@ -35,6 +38,8 @@ from camgen.machine import (
 )
 from camgen.machine.freedom import close_drawing, freedoms, refuse_unsound
 from camgen.machine.reach import folds, reach, refuse_folds, refuse_partial
+
+GALLERY = Path(__file__).parents[2] / "specs" / "gallery"
 
 
 @pytest.mark.parametrize("name", CHAINS)
@@ -103,6 +108,28 @@ def test_a_rigid_chain_and_an_over_constrained_loop_are_named() -> None:
     )
     with pytest.raises(DesignError, match="the chain is rigid"):
         refuse_unsound(braced)
+
+
+def test_a_rigid_part_is_named_where_another_part_moves() -> None:
+    """Gruebler counts one freedom in all: the wing that hangs on one pin has it, and the drive has none."""
+    bird = tomllib.loads((GALLERY / "flapping-bird.toml").read_text(encoding="utf-8"))
+    bird["links"]["ground"] = ["O", "L", "V"]
+    said = "links crank, left_rod, right_rod and right_wing cannot move: joints O, A of left_rod"
+    with pytest.raises(DesignError, match=said):
+        camgen.load(bird).solve([0.0])
+
+
+def test_of_several_loops_the_first_that_stops_the_crank_is_told() -> None:
+    """Each of both has the rod 45 and the crank 90; a crank that is the shortest link of its loop is not told to be too long."""
+    bird = tomllib.loads((GALLERY / "flapping-bird.toml").read_text(encoding="utf-8"))
+    bird["lengths"]["O-A"] = 90
+    with pytest.raises(DesignError) as refused:
+        camgen.load(bird).solve([0.0])
+    assert str(refused.value).count("Grashof") == 1
+    bird["lengths"]["O-A"] = 9
+    bird["points"]["W"] = [-7, 46]
+    with pytest.raises(DesignError, match=r"that is left_wing \(0 mm\), not crank$"):
+        camgen.load(bird).solve([0.0])
 
 
 @pytest.mark.parametrize(
