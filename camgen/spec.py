@@ -51,6 +51,7 @@ from camgen.vocabulary import (
     kind_of,
     likely,
     likely_key,
+    other_key,
     other_words,
     wording,
 )
@@ -619,7 +620,9 @@ def unknown(path: Key, value: object, known: Iterable[str], kind: str = "") -> F
     meant = likely(kind, value, names)
     if len(meant) > 1:
         others = ", ".join(shown(name) for name in names if name not in meant)
-        return Fault(path, given, f"{one_of(meant)}{f'; or of {others}' if others else ''}")
+        elsewhere = other_key(kind, value)
+        ends = (f"or of {others}" if others else "", elsewhere)
+        return Fault(path, given, "; ".join((one_of(meant), *filter(None, ends))))
     if new := example(kind, value):
         return Fault(path, given, f"'linkage': camgen new {new} FILE writes such a one")
     texts = [each for each in names if isinstance(each, str)]  # a literal may be a number
@@ -825,10 +828,18 @@ def _any_right(path: Key, data: Data, root: Data) -> Any:
 
 
 def _respell(cls: type[Checked], data: Data, error: ValidationError) -> list[str]:
-    """Rename what is unknown in one spelling and known in the other; what to tell of it."""
+    """Rename what is unknown in one spelling and known in the other, or in other capitals; what to tell of it."""
     root = _json_schema(cls)
     told = list[str]()
     for item in error.errors(include_url=False):
+        if item["type"] == "literal_error" and isinstance(item["input"], str):
+            path, node, _ = _locate(item["loc"], data, root)
+            holder = _at(data, path[:-1])
+            names = [name for each in members_of(node or {}, root) for name in each.get("enum", ())]
+            same = [name for name in names if str(name).lower() == item["input"].lower()]
+            if len(same) == 1 and isinstance(holder, dict):
+                holder[path[-1]] = same[0]
+                told.append(f"{dotted(path)} = {shown(item['input'])} is read as {shown(same[0])}")
         if item["type"] == "extra_forbidden":
             path, _, table = _locate(item["loc"], data, root)
             holder = _at(data, path[:-1])

@@ -192,6 +192,14 @@ def likely(kind: str, value: object, known: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for name in words.get(_plain(value), ()) if name in known)
 
 
+def other_key(kind: str, value: object) -> str:
+    """Where else a person may write what is no such value; or "" """
+    frame = re.fullmatch(r"nema-?(\d+)", _plain(value))
+    if kind != "model" or frame is None:
+        return ""
+    return f'parts.motor = "nema-{frame[1]}" is its frame'
+
+
 def likely_key(name: str, known: Collection[str]) -> list[str]:
     """The key that a person may mean by another word, if one is known."""
     return [key for key in other_words(name) if key in known][:1]

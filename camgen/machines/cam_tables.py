@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from camgen.errors import Fault
 from camgen.machines.linkage import sheets
+from camgen.machines.loads.fitted_motor import model_faults, without_hand
 from camgen.machines.mechanism import Remarks
 from camgen.machines.metal import bore_notes, motor_notes
 from camgen.machines.template import Template
@@ -78,7 +79,8 @@ class CamTables(Template):
         notes = [
             f'{key} is not read with parts.make = "machine": write "printed"' for key in unread
         ]
-        return replace(found, notes=(*found.notes, *notes)) if notes else found
+        found = replace(found, notes=(*found.notes, *notes))
+        return found if make == "cams" else without_hand(found)
 
     @property
     @abstractmethod
@@ -101,6 +103,7 @@ class CamTables(Template):
         if self.standing:
             faults = sizes.faults(("ground", *links), self.print.nozzle)
             faults += sheets.faults(sizes, self.laser)
+            faults += model_faults(getattr(self, "motor", None), sizes)
         else:
             faults = sizes.misfits()
             if sizes.stand != "none":

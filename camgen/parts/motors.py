@@ -35,6 +35,12 @@ STEPPERS = {
     )
 }
 
+
+def models_of(frame: str) -> tuple[str, ...]:
+    """Models of the catalogue with a frame, such as "nema-17"."""
+    return tuple(row.model for row in STEPPERS.values() if row.frame == frame)
+
+
 _CELL_VOLTS = 1.5
 # Cells that holders take: length and diameter at most, mm, the largest first [IEC 60086-2, R6 and R03].
 _CELLS = {"AA": (50.5, 14.5), "AAA": (44.5, 10.5)}

@@ -22,6 +22,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing_faults import drawing_faults, shape_faults
 from camgen.machines.linkage.spec import LinkageSpec
 from camgen.machines.linkage.weights import under_faults, weight_faults
+from camgen.machines.loads.fitted_motor import model_faults
 from camgen.parts.counterweights import NAME
 from camgen.parts.generator import webs
 from camgen.parts.sides import PREFIX as FAR
@@ -138,6 +139,7 @@ def _drive_faults(spec: LinkageSpec) -> Iterator[Fault]:
         "motor": spec.motor is not None and isinstance(spec.drive, t.SlidingDrive),
     }
     yield from motors.faults(spec.diagram, spec.making, of_one_motor)
+    yield from model_faults(spec.motor, spec.making)
     if spec.pen is None:
         yield from motors.program_faults(spec.diagram.drives)
     else:

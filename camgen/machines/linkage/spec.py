@@ -31,6 +31,7 @@ from camgen.machines.linkage import tables as t
 from camgen.machines.linkage.drawing import Drawing
 from camgen.machines.linkage.drawn_machine import DrawnMachine
 from camgen.machines.loads.counterweights import Counterweight
+from camgen.machines.loads.fitted_motor import without_hand
 from camgen.machines.loads.tables import Drives
 from camgen.machines.mechanism import Mechanism
 from camgen.motion.program import Program
@@ -192,7 +193,7 @@ class LinkageSpec(Mechanism):
         """The tables in the words of today; an [output] with keys of an [[output]] is that one, not the old word of [files]."""
         output = data.get("output")
         mistaken = isinstance(output, dict) and output.keys() & t.Wanted.model_fields.keys()
-        return Wording(data, {}, ()) if mistaken else super().wording(data)
+        return without_hand(Wording(data, {}, ()) if mistaken else super().wording(data))
 
     @cached_property
     def host(self) -> inc.Host:
