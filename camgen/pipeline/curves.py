@@ -20,8 +20,9 @@ from camgen.study import Plot
 from camgen.tolerances import SPEED_WINDOW_DEG
 
 _SPEED = "Speed"
+_SLOPE = "Slope"  # what the speed of an output that is one number is called: it is for each unit of theta, not of time
 _ERROR = "Motion error"
-_BAND = "Free play with the sizes of the files"
+_BAND = "Free play, by the files' sizes"
 _TURNS_ON = 1.0  # deg, from end to end; what swings comes back
 
 
@@ -98,16 +99,19 @@ class Curves:
                 words = (self.output.name.replace(" ", "_"), axis, self.unit, kind)
                 self.columns["_".join(word for word in words if word)] = shown
 
+    def _title(self, quantity: str) -> str:
+        """What a plot of it is called, with the name of the output where there are several."""
+        path = isinstance(self.output.of, Path)
+        words = _SLOPE if quantity == _SPEED and not path else quantity
+        lower = words[:1].lower() + words[1:]
+        return words if self.alone else f"{self.output.name.capitalize()}: {lower}"
+
     def plots(self) -> list[Plot]:
         """One plot a quantity: the output itself, its speed, error and play."""
         mean = f", mean of {SPEED_WINDOW_DEG:g} deg" if self.cams else ""
         per = "rad" if self.cycle.unit == "deg" else self.cycle.unit
-        of = "" if self.alone else f" of {self.output.name}"
-        titles = [
-            title
-            for title in (self.output.name.capitalize(), _SPEED, _ERROR, _BAND)
-            if title in self._plots
-        ]
+        name = self.output.name.capitalize()
+        titles = [title for title in (name, _SPEED, _ERROR, _BAND) if title in self._plots]
         units = (
             {_SPEED: f"{self.unit}/{per}{mean}", titles[0]: self.unit + self._sense}
             if titles
@@ -115,7 +119,7 @@ class Curves:
         )
         return [
             Plot(
-                title + (of if title in (_SPEED, _ERROR, _BAND) else ""),
+                title if title == name else self._title(title),
                 self.cycle.label,
                 units.get(title, self.unit),
                 self._plots[title],

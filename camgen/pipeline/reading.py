@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -219,7 +220,9 @@ def moved_by(
         if curve.output.name in wishes
         for plot in laid_over(wishes[curve.output.name], curve.recovered, by_name)
     ]
-    plots += [plot for curve in curves for plot in curve.plots()]
+    # first what each output does, then how fast, and how well
+    by_quantity = zip_longest(*(curve.plots() for curve in curves))
+    plots += [plot for quantity in by_quantity for plot in quantity if plot is not None]
     recovered = mechanism.recovered(theta, curves[0].recovered)
     return Outcome(findings, numbers, plots, tables, not_judged=nominal), columns, recovered
 

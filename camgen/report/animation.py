@@ -300,7 +300,8 @@ def player(animation: Animation, scene: bool = False) -> str:
             f'<label><input type="checkbox" checked data-body="{k}" hidden> {escape(words)}</label></li>'
         )
     names = ", ".join(body.name for body in animation.bodies)
-    count = f"{len(items)} part{'' if len(items) == 1 else 's'}"
+    parts = sum(bool(body.rings) for body in animation.bodies)  # paths and a ghost are none
+    count = f"{parts} part{'' if parts == 1 else 's'}"
     begin = animation.stroke[0] if animation.stroke else 0.0
     where = "place in the period, degrees" if animation.stroke else "angle of the drive, degrees"
     value = (

@@ -42,7 +42,7 @@ from camgen.report.tables import (
 from camgen.report.words import rounded, sentence
 from camgen.study import Mate, Plot, Prism, Scene, Step, Table
 
-_FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two, three and four
+_FIRST_PLOTS = 12  # more curves than this are folded away; it fills rows of two and four
 _FIRST_OF_PRINTED = 4  # of what is printed, of which one looks for what to buy, print and do first
 _MASS = "mass in "  # begins a column of the parts list
 _TALL = 3.0  # by which a printed part is higher than the square is wide that it stands on, and asks for a brim

@@ -26,7 +26,7 @@ NAMES = {
     "print time stand": "print time of the stand alone",
     "print layer": "layer height",
     "print nozzle": "diameter of the nozzle",
-    "print infill": "share of plastic that mass and print time assume (material.infill)",
+    "print infill": "infill that mass and print time assume (material.infill)",
     "index": "indexing",
     "drive torque": "torque needed, greatest",
     "drive torque mean": "torque needed, mean",
@@ -91,8 +91,9 @@ NAMES = {
 }
 
 # Groups of figures, and what belongs to each: what was measured in files, else by the quantity, else by the unit.
-FROM_FILES, MAKING, FORCES, SHAPE, MOTION = GROUPS = (
+FROM_FILES, PRINTING, MAKING, FORCES, SHAPE, MOTION = GROUPS = (
     "From the files",
+    "Printing",
     "Making",
     "Forces and drive",
     "Shape and contact",
@@ -107,12 +108,19 @@ _QUANTITIES = {
     "crank moment asked at, hop, hop {of}, knock, knock {of}, lift off speed, lift off speed {of}, lift off speed 1 percent {of}, residual share, run up time, settled speed, speed swing, stalls at, second harmonic share, "
     "spring stretch greatest, spring stretch least",
     MAKING: "motor shaft length, outline length, shaft length",
+    PRINTING: "print infill, print layer, print nozzle, print time, print time stand, supports",
     SHAPE: "roller slip, base radius, curvature radius min, disc wall, pitch curvature radius min, pitch radius max, pitch radius min, "
     "prime radius, pressure angle, pressure angle low passed, pressure angle return, pressure angle rise, profile area, "
     "profile length, radius max, radius min, undercut, {of} least radius, {of} pressure angle, tip on {of} x, tip on {of} y",
 }
 _GROUP_OF_UNIT = {unit: group for group, units in _UNITS.items() for unit in units.split(", ")}
 _GROUP_OF = {each: group for group, found in _QUANTITIES.items() for each in found.split(", ")}
+
+_SIDES = ("{of} x stroke", "{of} y stroke")  # of a path's box
+_RECOVERED = "stroke recovered {of}"
+_LEAST_RADIUS = "{of} least radius"
+_SHARE = "share"  # the unit of a share of 1
+_SHARES = ("print infill",)  # quantities without a unit that are shares
 
 KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
 NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
@@ -134,17 +142,45 @@ class Row:
 
 
 def rows(numbers: Figures) -> list[Row]:
-    """The figures of a report, those of the kinds of files side by side."""
+    """The figures of a report, those of the kinds of files side by side; a path that turns on the spot has no least radius."""
     found: dict[tuple[str, str], Row] = {}
+    longer = _longer_sides(numbers)
     for each in numbers.records:
-        title = name(each)
-        row = found.setdefault(
-            (title, each.unit), Row(each.quantity, title, each.unit, group(each))
-        )
-        row.values[each.kind] = float(each.value)
+        if each.quantity == _LEAST_RADIUS and each.value < NOISE:
+            continue
+        title = longer.get((each.module, each.of), "") * (each.quantity == _RECOVERED)
+        title = title or name(each)
+        value, unit = in_percent(each.value, _SHARE if each.quantity in _SHARES else each.unit)
+        row = found.setdefault((title, unit), Row(each.quantity, title, unit, group(each)))
+        row.values[each.kind] = float(value)
         if each.kind:
             row.group = FROM_FILES
     return list(found.values())
+
+
+def _longer_sides(numbers: Figures) -> dict[tuple[str, str], str]:
+    """What is measured of a path: not its stroke, the largest extent in any direction, but the longer side of its box along x and y.
+
+    By module and output; one that is alone has no name in what is measured.
+    """
+    sides: dict[tuple[str, str], dict[str, float]] = {}
+    for each in numbers.records:
+        if each.quantity in _SIDES:
+            sides.setdefault((each.module, each.of), {})[each.quantity] = each.value
+    named = {
+        key: f"{max(each, key=lambda side: each[side])}, from the file"
+        for key, each in sides.items()
+    }
+    titles = {
+        (module, of): name(Figure(words, 0.0, of=of, module=module))
+        for (module, of), words in named.items()
+    }
+    return {(module, ""): title for (module, _), title in titles.items()} | titles
+
+
+def in_percent(value: float, unit: str) -> tuple[float, str]:
+    """A value and its unit as people read them: a share in percent."""
+    return (100 * value, "%") if unit == _SHARE else (value, unit)
 
 
 def group(figure: Figure) -> str:

@@ -601,9 +601,7 @@ def test_weight_of_a_follower_presses_or_lifts(deg: float | None, pull: float) -
     assert set(turns) == {"cam angle, deg"}
     # torque without friction, in the one report as in the other
     torque = next(
-        plot
-        for plot in given.study.plots
-        if plot.title.startswith("Torque that the machine needs from the motor")
+        plot for plot in given.study.plots if plot.title.startswith("Torque needed")
     ).series[1][2]
     assert study.numbers["peak_torque_n_m"] == pytest.approx(np.max(np.abs(torque)), rel=1e-3)
 

@@ -104,3 +104,10 @@ def test_paths_lie_among_their_body_and_followers_of_cams_alone_as_high_as_the_c
     cam = pipeline.read_mechanism(SPECS / "disc-cam.toml").resolved()
     follower, _ = [body.heights for body in animation(cam).bodies if body.heights]
     assert follower == (0, cam.assembly.parts[0].drawn.z1)
+
+
+def test_curves_tell_first_what_each_output_does_then_how_fast(tmp_path: Path) -> None:
+    """Two wings of one bird: neither tip waits behind the speed and the play of the other."""
+    wings = pipeline.build(SPECS / "gallery" / "flapping-bird.toml", tmp_path, frozenset({"dxf"}))
+    first = [plot.title for plot in wings.plots]
+    assert first[:4] == ["Left_tip", "Right_tip", "Left_tip: speed", "Right_tip: speed"]

@@ -241,6 +241,38 @@ def test_figures_have_words_units_and_the_kinds_of_files_side_by_side() -> None:
     assert rows(numbers)[0].values == {"dxf": 1e-14, "stl": 2e-3}
 
 
+def test_the_stroke_of_a_path_in_files_is_named_by_the_axis_along_which_it_is_measured() -> None:
+    """A way of 30 along y and 40 along x is 50 long: the files' 40 are no other stroke, but that along x."""
+
+    def path(of: str, x: float, y: float, alone: bool = False) -> list[Figure]:
+        measured = Figure("stroke recovered {of}", max(x, y), "mm", "" if alone else of, kind="dxf")
+        sides = [Figure("{of} x stroke", x, "mm", of), Figure("{of} y stroke", y, "mm", of)]
+        return [Figure("{of} stroke", math.hypot(x, y), "mm", of), *sides, measured]
+
+    ram = Figure("stroke recovered {of}", 7.0, "mm", "ram", kind="dxf")
+    found = {row.name: row.values for row in rows(Figures([*path("left_tip", 40, 30), ram]))}
+    assert (
+        found["Left tip x stroke, from the file"]
+        == {"dxf": 40}
+        == {"dxf": found["Left tip x stroke"][""]}
+    )
+    assert found["Stroke, from the file: ram"] == {"dxf": 7}
+    alone = [row.name for row in rows(Figures(path("pen", 3, 4, alone=True)))]
+    assert alone[-1] == "Pen y stroke, from the file"
+
+
+def test_settings_of_the_printer_are_a_group_and_a_share_is_in_percent() -> None:
+    quantities = ("print layer", "print nozzle", "print infill", "print time")
+    numbers = Figures([Figure(quantity, 0.4) for quantity in quantities])
+    assert {row.group for row in rows(numbers)} == {"Printing"}
+    assert [(row.unit, row.values) for row in rows(numbers)][2] == ("%", {"": 40.0})
+
+
+def test_a_path_that_turns_on_the_spot_has_no_least_radius_to_show() -> None:
+    both = [Figure("{of} least radius", value, "mm", of) for of, value in (("a", 0.0), ("b", 2.0))]
+    assert [row.name for row in rows(Figures(both))] == ["B least radius"]
+
+
 @pytest.mark.parametrize(
     "value, text",
     [

@@ -110,9 +110,8 @@ class _Motor:
         """What it gives over theta; axis: its label."""
         degrees = np.degrees(self.run.theta)
         curves = [("with friction", degrees, self.needed), ("without", degrees, self.smooth)]
-        what = f"the motor of {self.name}" if self.name else "the motor"
         kind, unit = self.kind
-        title = f"{kind.capitalize()} that the machine needs from {what}, with and without friction in the joints"
+        title = f"{kind.capitalize()} needed" + (f": {self.name}" if self.name else "")
         return Plot(title, axis, unit, curves)
 
     def findings(self, motor: Motor | None) -> Iterator[Finding]:
