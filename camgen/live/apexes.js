@@ -40,7 +40,8 @@ function motion({ apexes, angles, gaps }, { points, lengths, links, drive }) {
     const place = triangle(a, b, name);
     paths[name] = angles.map((_, k) => place(paths[a][k], paths[b][k]));
   }
-  return answered(paths, angles.map((_, k) => Object.values(paths).every(path => path[k].every(isFinite))), gaps);
+  const closed = angles.map((_, k) => Object.values(paths).every(path => path[k].every(isFinite)));
+  return answered(paths, reached(closed, angles), gaps);
 }
 
 function apex([px, py], [qx, qy], first, second, side) {  // of the triangle with these sides; NaN where they do not meet
@@ -50,10 +51,16 @@ function apex([px, py], [qx, qy], first, second, side) {  // of the triangle wit
   return [px + along * x - up * y, py + along * y + up * x];
 }
 
+function reached(closed, angles) {  // of a turn the angles beside the drawn place, as far as the chain closes either way; all of a range
+  if (Math.abs(Math.abs(angles.at(-1) - angles[1]) - 2 * Math.PI) > 1e-6) return closed;
+  const first = closed.indexOf(false, 1), last = closed.lastIndexOf(false);
+  return closed.map((is, k) => is && (first < 0 || k < first || k > last));
+}
+
 function answered(paths, closed, gaps) {
   if (!closed[0]) return { start: null };  // camgen says why
   const turn = closed.slice(1), share = turn.filter(Boolean).length / turn.length;
-  const rows = Object.entries(paths), flat = path => path.slice(1).flatMap(place => place.map(x => isFinite(x) ? x : null));
+  const rows = Object.entries(paths), flat = path => path.slice(1).flatMap((place, k) => turn[k] ? place : [null, null]);
   return {
     start: Object.fromEntries(rows.map(([name, path]) => [name, path[0]])),
     paths: Object.fromEntries(rows.map(([name, path]) => [name, flat(path)])),

@@ -16,6 +16,7 @@ from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from camgen import reading
 from camgen import spec as specs
@@ -24,7 +25,7 @@ from camgen.edits import edited
 from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
 from camgen.findings import Finding
 from camgen.live.gallery import Gallery, cards, usable
-from camgen.live.numbers import numbers, overrides, write
+from camgen.live.numbers import Refusal, numbers, overrides, write
 from camgen.live.operations import FILE_NAME, GROUND, NAMED_FILE, ROWS, applied, moved
 from camgen.live.preview import failure, preview
 from camgen.live.server import Answer, LastBuild, asset, served
@@ -32,7 +33,7 @@ from camgen.machines import load
 from camgen.machines.linkage.mechanism import Linkage
 from camgen.machines.linkage.traces import angles, apexes, cam_shapes, idle, traces
 from camgen.machines.sources import changed, opened_tables
-from camgen.numerics import Points
+from camgen.numerics import Floats, Points
 from camgen.report.report import Report
 from camgen.report.words import sentence
 from camgen.settings import override
@@ -198,7 +199,7 @@ class Board:
     def build(self, _request: Answer) -> Answer:
         """All files of what is drawn."""
         if wanted := _wanted(_sheet(self.tables)):
-            return _unfinished(wanted)
+            return _unfinished(f"Nothing to build yet: {wanted[:1].lower()}{wanted[1:]}")
         with self.lock:
             made = self._linkage(self.tables, shown=False)
         return self.last_build.build([], made)
@@ -322,7 +323,9 @@ class Board:
             )
         path = Path(f"{name}.toml")
         if path.exists():
-            raise FileError(path, "is there already; give the sheet another name")
+            raise Refusal(
+                [Fault(("name",), name, f"another one: {path} is there already")], "sheet"
+            )
         with file_errors(), open(path, "xb") as file:
             file.write(raw)
         return path
@@ -434,16 +437,24 @@ def _motion(linkage: Linkage | None, points: Any = None, lengths: Any = None) ->
     except (DesignError, ArithmeticError, ValueError) as error:
         return {"start": None, "paths": {}, "reason": str(error)}
     closed = np.all([np.isfinite(z) for z in found.values()], axis=0)
+    closed[1:] = _reached(closed[1:], theta)
     if not closed[0]:
         reason = "it does not close as drawn: lengths and places contradict each other"
         return {"start": None, "paths": {}, "reason": reason}
     return {
         "start": {name: [z[0].real, z[0].imag] for name, z in found.items()},
-        "paths": {name: _flat(z[1:]) for name, z in found.items()},
+        "paths": {name: _flat(np.where(closed[1:], z[1:], np.nan)) for name, z in found.items()},
         "reason": ""
         if closed.all()
         else _GAPS.replace("PERCENT", f"{100 * closed[1:].mean():.0f}"),
     }
+
+
+def _reached(closed: NDArray[np.bool_], theta: Floats) -> NDArray[np.bool_]:
+    """Angles that the drive comes to: of a turn those beside the drawn place, as far as the chain closes either way."""
+    if not math.isclose(np.ptp(theta), math.tau):
+        return closed
+    return np.logical_and.accumulate(closed) | np.logical_and.accumulate(closed[::-1])[::-1]
 
 
 def _chain(linkage: Linkage | None) -> Answer | None:

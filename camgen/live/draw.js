@@ -178,6 +178,7 @@ function draw(seen) {
       if (Math.abs(drawn - value) > 0.01 * value) out.push(words([(to(a)[0] + to(b)[0]) / 2 + 9, (to(a)[1] + to(b)[1]) / 2 + 16],
         `${key} = ${value}, drawn ${drawn.toFixed(1)}`, "wrong"));
     }
+    out.push(`<path class="axis" d="M16 ${h - 21}v5h${(grid * scale).toFixed(1)}v-5"/>`, words([22 + grid * scale, h - 14], `${grid} mm`, "size scale"));
     if (drag && drag.from) out.push(`<path class="rubber" d="M${onScreen(drag.from)}L${onScreen(drag.to)}"/>`);
     svg.innerHTML = out.join("");
     const said = note || (tried && tried.reason);
@@ -230,6 +231,7 @@ function draw(seen) {
   async function rested() {
     const settings = values.settings();
     if (Object.keys(settings).length) await commit({ op: "set", settings });
+    else { tried = null; note = ""; take(seen); render(); }  // nothing is changed: a box that was cleared has its value again
   }
 
   async function rest() {  // what takes a moment; the limits when the hand rests
@@ -449,7 +451,7 @@ function draw(seen) {
       return made;
     };
     const legend = Object.assign(document.createElement("legend"), { textContent: key });
-    const rows = [line("name", input("text", name, async made => {
+    const rows = [line(`name of the ${key}`, input("text", name, async made => {
       const to = made.value.trim(), answer = await commit({ op: "rename", ...picked, to });
       if (answer.sheet && picked) { picked = { [key]: to }; panel(); render(); }
     }))];

@@ -130,14 +130,15 @@ function form(numbers, moved, rested = () => {}) {
   function follow(box) {  // the slider goes where the text is, and further than before if it must
     const value = Number(box.value);
     if (!box.range || box.value.trim() === "" || !isFinite(value)) return;
-    box.range.min = Math.min(box.range.min, value);
-    box.range.max = Math.max(box.range.max, value);
+    box.range.min = Math.min(box.low, value);
+    box.range.max = Math.max(box.high, value);
     box.range.value = value;
   }
   function reset(values = numbers) {  // values: other ones of the same keys
     numbers = values;
     for (const number of numbers) {
       const box = boxes.get(number.key);
+      [box.low, box.high] = [number.low, number.high];
       box.value = plain(number.value);
       follow(box);
     }

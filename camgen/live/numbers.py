@@ -156,7 +156,9 @@ def _right(number: Number, text: object) -> str:
         return "" if text in number.choices else f"one of {', '.join(number.choices)}"
     if is_number(text):
         return ""
-    return typed_number(text, f"a number, in {number.unit}" if number.unit else "a number")
+    return typed_number(
+        text, f"a number, in {number.unit}" if number.unit else "a number", number.unit
+    )
 
 
 def is_number(text: str) -> bool:
@@ -167,11 +169,13 @@ def is_number(text: str) -> bool:
         return False
 
 
-def typed_number(text: str, right: str) -> str:
-    """What to type in place of a text: with a decimal point, where it is a number with a comma; else as `right` says."""
-    pointed = text.strip().replace(",", ".")
-    if "," in text and is_number(pointed):
-        return f"a decimal point, not a comma: {pointed}"
+def typed_number(text: str, right: str, unit: str) -> str:
+    """What to type in place of a text that is a number with its unit, or with a decimal comma; else as `right` says."""
+    bare = text.strip().removesuffix(unit).strip()
+    pointed = bare.replace(",", ".")
+    if is_number(pointed) and pointed != text.strip():
+        how = "a decimal point, not a comma" if "," in text else "a number without a unit"
+        return f"{how}: {pointed}"
     return right
 
 

@@ -561,7 +561,7 @@ def _length(draft: Draft, request: Request) -> None:
             draft.lengths.pop(key)
         return
     if not isinstance(value, int | float) or not 1e-3 <= value <= 2 * _FAR:
-        right = typed_number(str(value), f"a length in mm, above 0 and at most {2 * _FAR:g}")
+        right = typed_number(str(value), f"a length in mm, above 0 and at most {2 * _FAR:g}", "mm")
         raise refused(f"{a}-{b}", value, right)
     if not any({a, b} <= {*points} for points in draft.links.values()):
         raise refused("between", f"{a}-{b}", "two points of one link")

@@ -36,7 +36,7 @@ from camgen.machines.sources import changed, read_tables
 from camgen.pipeline.build import KINDS, build
 
 _POLICY = (
-    "default-src 'none'; img-src 'self'; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
+    "default-src 'none'; img-src 'self' data:; script-src 'self' 'unsafe-inline'; style-src 'self' 'unsafe-inline'; connect-src 'self'; "
     "frame-src 'self'; frame-ancestors 'self'"
 )
 

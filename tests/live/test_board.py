@@ -408,13 +408,23 @@ NEXT = (  # what a sheet lacks in the order of drawing, and what is done then
 )
 
 
+def test_a_path_is_drawn_as_far_as_the_drive_comes(tmp_path: Path) -> None:
+    """A is 13 to 107 mm from C, and coupler and rocker span 14 to 94: two gaps, and one half of the turn is not reached."""
+    seen = board(tmp_path).draw({"op": "length", "between": ["O", "A"], "value": 47})
+    path = seen["paths"]["A"][::2]
+    gaps = [k for k in range(len(path)) if path[k] is None]
+    assert gaps and gaps == [*range(gaps[0], gaps[-1] + 1)], (
+        "one gap: what lies between two is not reached"
+    )
+
+
 def test_an_empty_sheet_says_what_to_draw_next_and_nothing_is_wrong(tmp_path: Path) -> None:
     page = client(Board(None, tmp_path / "out"))
     page.post("/start", json={})
     for tool, done in NEXT:
         for path in ("preview", "build"):
             answer = page.post(f"/{path}", json={}).json()
-            assert f"Take {tool}" in answer["wanted"] == answer["verdict"], path
+            assert answer["wanted"] == answer["verdict"] and f"ake {tool}" in answer["wanted"], path
             assert answer["errors"] == []
         assert f"Take {tool}" in page.get("/").text
         seen = page.post("/draw", json=done).json()
@@ -564,7 +574,7 @@ def test_a_build_of_what_is_drawn(tmp_path: Path) -> None:
     assert built["folder"] == str(tmp_path / "out" / "drawn") and built["errors"] == []
     assert "MOTION_ERROR" in page.get("/out/report.html").text
     page.post("/draw", json={"op": "output", "point": "B"})
-    assert "Take Output" in page.post("/build", json={}).json()["verdict"]
+    assert "Nothing to build yet: take Output" in page.post("/build", json={}).json()["verdict"]
     page.post("/undo", json={})
     assert 'id="mechanism"' in page.post("/preview", json={"quick": True}).json()["page"]
 

@@ -231,7 +231,12 @@ def test_a_value_is_a_number_or_one_of_the_words_to_choose_from() -> None:
     for text in ("{x = 1}", "[1]", "'x'", "1 # x", " ", "a/b", "1\n"):
         with pytest.raises(SpecError, match="a number or a word"):
             overrides({"a": text}, known)
-    for text, right in (("2,5", "a decimal point, not a comma: 2.5"), ("25 mm", "a number, in mm")):
+    for text, right in (
+        ("2,5", "a decimal point, not a comma: 2.5"),
+        ("2,5 mm", "a decimal point, not a comma: 2.5"),
+        ("25 mm", "a number without a unit: 25"),
+        ("1 in", "a number, in mm"),
+    ):
         with pytest.raises(SpecError, match=f"A y: {text} - expected {right}"):
             overrides({"points.A.1": text}, [Number("points.A.1", 1.0, unit="mm")])
     for wrong in ({"b": "round"}, {"a": "1", "b": "flat", "c": "1"}):
