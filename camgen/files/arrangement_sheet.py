@@ -25,7 +25,7 @@ from camgen.files.dimensions import number as rounded_number
 from camgen.files.exploded_sheet import exploded_sheet
 from camgen.files.exploded_view import filled
 from camgen.files.labels import Label, callouts
-from camgen.files.measures import REFERENCE, Measure, dimension
+from camgen.files.measures import REFERENCE, Measure, Room, dimension
 from camgen.files.page import FILING, LARGE, MARGIN, SCALES, SIZES
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
 from camgen.files.title_block import BLOCK, WIDTH, Facts, ratio, sheet_words, title_block
@@ -374,7 +374,7 @@ class _Page:
         for view, a, b, away in sizes:
             factor = self.scale / view.scale
             value = Measure(round(abs(b - a) / view.scale, 1), REFERENCE, factor=factor)
-            dimension(sheet, (a, b), away, value, tolerance, FILING + 1)
+            dimension(sheet, (a, b), away, value, tolerance, Room(FILING + 1))
 
     def _levels(self, sheet: Sheet) -> None:
         """Heights of faces that the section cuts, mm, upwards from z = 0, right of it, each with a line to its face."""

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from camgen.files.dimensions import number
 from camgen.files.limits import decimals, general
 from camgen.files.sheet import Sheet, Size, Text
 
+Box = tuple[complex, complex]  # lower left and upper right corner of a text along x
+_AIR = 0.7  # mm, between a text and the end of a line that is broken there
 _FITTED = 3  # decimals of a number with a fit
 REFERENCE = "("  # before a size that follows from others, and that no one has to keep [ISO 129-1]
 
@@ -33,22 +36,35 @@ class Measure:
         return ")" if self.sign.startswith(REFERENCE) else f" {self.fit}" if self.fit else ""
 
 
+@dataclass(frozen=True)
+class Room:
+    """What is free of the paper beside a dimension."""
+
+    left: float = 0.0  # its edge
+    # of dimensions nearer to the part, at which lines from the ends of one along x are broken
+    texts: Sequence[Box] = ()
+
+
+_ALL = Room()
+
+
 def dimension(
     sheet: Sheet,
     ends: tuple[complex, complex],
     away: complex,
     measure: Measure,
     tolerance: str,
-    left: float = 0.0,
-) -> None:
-    """Linear dimension between two ends, its line moved by `away`; arrows outside where it is short.
+    room: Room = _ALL,
+) -> Box:
+    """Linear dimension between two ends, its line moved by `away`; arrows outside where it is short. Returns where its text is.
 
-    tolerance: the sheet's general one, which says how many decimals a number without a fit has; left: edge of the paper that is free.
+    tolerance: the sheet's general one, which says how many decimals a number without a fit has; room: what is free of the paper.
     """
     drawn = Sheet(0.0, 0.0, "")
     out = away / abs(away)
     for end in ends:
-        drawn.line(end + out, end + away + 2 * out, layer="DIM")
+        for a, b in _broken(end + out, end + away + 2 * out, room.texts):
+            drawn.line(a, b, layer="DIM")
     start = ends[0] + away
     end = ends[1] + away
     length = abs(end - start)
@@ -70,11 +86,12 @@ def dimension(
     if (
         length < label.width + 7
     ):  # beside the arrows: to the left where there is room, or to the right, or above
-        across = abs(along.real) > 0.5 and (start - (label.width + 2) * along).real > left
+        across = abs(along.real) > 0.5 and (start - (label.width + 2) * along).real > room.left
         tail, out = (start, -along) if across else (end, along)
         middle = tail + out * (label.width / 2 + 1)
         drawn.line(tail, tail + out * (label.width + 2), layer="DIM")
-    drawn.things.append(replace(label, at=middle + 0.9j * reading))
+    foot = middle + 0.9j * reading
+    drawn.things.append(replace(label, at=foot))
     sheet.things.append(
         Size(
             *ends,
@@ -87,3 +104,19 @@ def dimension(
             measure.factor,
         )
     )
+    half = label.width / 2 * reading
+    return foot - half, foot + half + 1j * measure.letters * reading
+
+
+def _broken(
+    start: complex, end: complex, texts: Sequence[Box]
+) -> Iterator[tuple[complex, complex]]:
+    """The pieces of an upright line, from its start on, that are in none of the texts."""
+    down = -1 if end.imag < start.imag else 1
+    for low, high in sorted(texts, key=lambda box: down * box[0].imag):
+        inside = low.real - _AIR < start.real < high.real + _AIR
+        first, last = sorted((low.imag - _AIR, high.imag + _AIR), key=lambda y: down * y)
+        if inside and down * start.imag < down * first and down * last < down * end.imag:
+            yield start, complex(start.real, first)
+            start = complex(start.real, last)
+    yield start, end

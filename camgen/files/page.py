@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from camgen.files.measures import Measure, dimension
+from camgen.files.measures import Measure, Room, dimension
 from camgen.files.sheet import Sheet
 
 # Standard scales, mm of paper for a mm of the part. [ISO 5455]
@@ -66,4 +66,4 @@ class Page:
         left: float = FILING + 1,
     ) -> None:
         """A linear dimension of the views; left: edge of the paper that is free."""
-        dimension(self.sheet, (a, b), away, measure, self.tolerance, left)
+        dimension(self.sheet, (a, b), away, measure, self.tolerance, Room(left))

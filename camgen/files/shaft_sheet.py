@@ -11,7 +11,7 @@ from pathlib import Path
 
 from camgen.files.dimensions import number
 from camgen.files.limits import in_limits
-from camgen.files.measures import Measure, dimension
+from camgen.files.measures import Box, Measure, Room, dimension
 from camgen.files.notes import wrapped
 from camgen.files.page import FILING, MARGIN, SCALES, SIZES
 from camgen.files.sheet import Sheet, Text, write_dxf_sheet, write_pdf
@@ -201,15 +201,17 @@ class _Page:
             *sorted(self._lengths(), key=self._beside),
             (0.0, self.shaft.length, Measure(self.shaft.length, fit=self.facts.length_limits)),
         ]
+        texts: list[Box] = []
         for k, (start, end, measure) in enumerate(rows, 1):
             ends = self.at(start, -radius), self.at(end, -radius)
             free = self.at(0).real if start else FILING + 1  # clear of the end's own line
             away = -1j * (_ROW * k + 2 + self.low)
-            dimension(sheet, ends, away, measure, self.facts.tolerance, free)
+            room = Room(free, tuple(texts))
+            texts.append(dimension(sheet, ends, away, measure, self.facts.tolerance, room))
         ends = self.at(0, -radius), self.at(0, radius)
         diameter = self.shaft.diameter
         across = Measure(diameter, "Ø", self.fit)
-        dimension(sheet, ends, complex(-14), across, self.facts.tolerance, FILING + 1)
+        dimension(sheet, ends, complex(-14), across, self.facts.tolerance, Room(FILING + 1))
         if not self.shaft.bearings:
             tail = 6j * (self.scale * diameter < 12)  # of an arrow outside
             datum_sign(sheet, ends[0] - 14 - tail, -1j, self.axis)

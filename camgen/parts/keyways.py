@@ -132,15 +132,15 @@ def parallel_key(bore: float, width: float, depth: float, length: float, count: 
     return Bought(KEY, ROUND_ENDED, size + cut, count)
 
 
-_LONG_HUB = 30.0  # mm, from which on a key ends before the hub does: camgen's own rule
-_BEFORE_RINGS = 3.0  # mm, by which it does so at either end
+# By how much a key ends before a hub does at either end, by the length beyond which it does so, mm: camgen's own rule.
+_BEFORE_RINGS = {30.0: 3.0, 20.0: 1.0}
 
 
 def key_length(bore: float, length: float) -> float:
     """Of the longest key of the standard that is no longer than a hub with this bore, or as the hub where all are longer, or none
     is for the bore; mm. In a long hub the keyway of the shaft ends before the grooves of rings beside the hub."""
     row = _row(bore)
-    length -= 2 * _BEFORE_RINGS if length > _LONG_HUB else 0.0
+    length -= 2 * next((land for hub, land in _BEFORE_RINGS.items() if length > hub), 0.0)
     shortest, longest = (0.0, 0.0) if row is None else row[-2:]
     fitting = [each for each in _LENGTHS if shortest <= each <= min(longest, length + 1e-6)]
     return max(fitting, default=length)

@@ -14,7 +14,7 @@ import shapely
 
 import camgen
 from camgen.files.shaft_sheet import _Page, write_shaft
-from camgen.files.sheet import Stroke, Text
+from camgen.files.sheet import Sheet, Stroke, Text
 from camgen.files.title_block import Facts
 from camgen.geometry.outlines import Region, circle, end_point, start_point
 from camgen.machines.sources import read_mechanism
@@ -224,3 +224,26 @@ def test_the_page_links_to_all_sheets(tmp_path: Path) -> None:
     }
     linked = set(re.findall(r'href="(?:[^"]*/)?([^"/]+-drawing\.pdf)"', page.read_text("utf-8")))
     assert linked == sheets
+
+
+def test_no_line_of_a_dimension_runs_through_the_size_of_another() -> None:
+    """Lines from the ends of what is farther off are broken there: of a shaft with rings and bearings, whose lengths lie over each other."""
+    made = shaft(25.0, 25.0, key=8.0, ringed=True)
+    page = _Page(made, FACTS, Part("shaft", "Shaft", ()))
+    sheet = Sheet(page.wide, page.high, "")
+    page._sizes(sheet)
+    drawn = list(sheet.primitives)
+    words = [each for each in drawn if isinstance(each, Text) and each.direction == 1]
+    ends = [
+        (complex(start_point(piece)), complex(end_point(piece)))
+        for each in drawn
+        if isinstance(each, Stroke)
+        for piece in each.pieces
+    ]
+    upright = [(a, b) for a, b in ends if abs((b - a).real) < 1e-9]
+    assert len(words) >= 9 and len(upright) > 2 * len(words), "some are broken"
+    for text in words:
+        for a, b in upright:
+            low, high = sorted((a.imag, b.imag))
+            beside = abs(a.real - text.at.real) >= text.width / 2
+            assert beside or high <= text.at.imag or low >= text.at.imag + text.height

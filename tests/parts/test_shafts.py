@@ -53,6 +53,8 @@ def test_a_keyway_lies_in_the_middle_of_its_bore() -> None:
         return [(each.fit, each.length, each.start, each.end) for each in made.keyways]
 
     assert keyways(24.0) == [("N9", 22.0, 28.0, 50.0)]
+    (longer,) = keyways(25.0)  # and not 25: the groove of a ring begins beside the bore
+    assert longer == ("N9", 22.0, 28.5, 50.5)
     two = [("P9", 20.0, 27.0, 47.0), ("P9", 20.0, 47.0, 67.0)]
     assert keyways(20.0, 20.0, fit="P9") == two
     bare = shaft_and_bearings(Seat(20.0, [24.0]))[0].shaft
