@@ -92,6 +92,8 @@ def stops_of(copies: Sequence[StandingCopy], fixing: Fixing) -> dict[str, Stop]:
     for copy in copies:
         others = [each for each in copies if each is not copy]
         for hole, shaft in fixed_on(copy, others, fixing):
+            if shaft.mount.flipped:  # a pin with its head up comes later
+                continue
             over = [
                 (each.low - hole.high, other.part.name)
                 for other in others

@@ -363,7 +363,7 @@ def height_by(
         return f"{gap:.3g} mm over {name}"
     if abs(hole.low - min(each.low for each in shaft.outlines)) < SAME_POINT:
         low, high = seats_at_ends(shaft)
-        told = metal and hole.flat == "key" and abs(high - low) > RESTS / 2 and high and low
+        told = metal and hole.flat == "key" and abs(high - low) > SAME_POINT and high and low
         which = f" ({'longer' if low > high else 'shorter'} keyway, {low:.3g} mm)" if told else ""
         return f"flush with its lower end{which}"
     if abs(hole.high - max(each.high for each in shaft.outlines)) < SAME_POINT:

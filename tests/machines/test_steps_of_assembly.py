@@ -181,6 +181,24 @@ def test_how_long_compound_cures_is_said_once(name: str) -> None:
     assert "hard, at least half an hour; only after 24 hours" in said
 
 
+@pytest.mark.parametrize("name", ["geneva-table", "linkage"])
+def test_what_is_loose_in_metal_is_so_on_what_is_there_and_until_a_later_step(name: str) -> None:
+    machine = read_mechanism(tomllib.loads(in_metal(name)))
+    steps = [step.title for step in steps_of_assembly(machine).steps]
+    assert not any("until this step" in each for each in steps)
+    bench = "\n".join(f"({k}) {title}" for k, title in enumerate(steps, 1) if k > 3)
+    waits = [*re.finditer(r"loosely on (\S+); it stays loose until step (\d+)", bench)]
+    assert waits
+    for each in waits:
+        before = bench[: each.start()]
+        shaft = each[1].replace("-", " of ")  # as its step calls it
+        assert re.search(rf"\b{shaft}\b", before), "what it is on is there"
+        assert int(each[2]) > int(re.findall(r"^\((\d+)\)", before, re.MULTILINE)[-1])
+    if name == "linkage":
+        (crank,) = (each for each in steps if "the hand crank on shaft" in each)
+        assert "with the lower end of shaft (longer keyway, 6 mm)" in crank
+
+
 def test_holes_of_a_metal_geneva_table_come_made_as_its_sheets_say() -> None:
     """The crank by hand has two bores, one keyed and one for the knob's pin, m6; the locking disc is put on its dowel by hand, and
     what it lies on says how high."""
