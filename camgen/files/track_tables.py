@@ -86,7 +86,7 @@ def tables_sheets(
     tables: Sequence[TrackTable], part: Part, facts: Facts, stem: str
 ) -> dict[str, Sheet]:
     """Sheets with the tables of a part's tracks side by side, in columns as long as a sheet is high, by their files' names without
-    the ends, after the first sheet, which is the part's own. Such a name is the sheet's number too, unless the part's drawing has one."""
+    the ends, after the first sheet, which is the part's own. Their number is that of the first sheet, or that name where it has none."""
     right, top = _WIDTH - _MARGIN, _HIGH - _MARGIN
     most = int((top - _MARGIN - BLOCK) / ROW) - 3
     columns = [
@@ -96,7 +96,6 @@ def tables_sheets(
     ]
     heads = list(dict.fromkeys(head for table in tables for head in table.heads))
     sheets = dict[str, Sheet]()
-    numbers = dict[str, str]()
     left = right
     for column, titled in columns:
         wide = sum(column.widths)
@@ -105,7 +104,6 @@ def tables_sheets(
             name = f"{stem}-{which}-drawing"
             sheet = sheets[name] = Sheet(_WIDTH, _HIGH, f"Tracks of {part.title} ({stem})")
             _frame(sheet, heads)
-            numbers[name] = f"{facts.number}-{which}" if facts.number else name
             left = _FILING + ROW
         level = complex(left, top - 2 * ROW)
         room = titled * (wide + ROW) - ROW
@@ -115,7 +113,7 @@ def tables_sheets(
         grid(sheet, level, lines, column.widths, range(len(column.heads)))
         left += wide + ROW
     for k, (name, sheet) in enumerate(sheets.items(), 2):
-        own = replace(facts, number=numbers[name])
+        own = replace(facts, number=facts.number or name)
         size = sheet_words("A3", k, len(sheets) + 1)
         title_block(sheet, complex(right, _MARGIN), part, own, 0.0, size)
     return sheets
