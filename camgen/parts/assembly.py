@@ -910,10 +910,10 @@ def _fastening(assembly: Assembly, its: str) -> str:
     below = f", its nuts below {called(bars[0])}" if nuts and bars else ""
     fed = any(each.role == "supply" for each in assembly.bought)
     supply = "the batteries" if fed else f"{its} supply"
-    return (
-        f", and screw {it} on now, from above{below}. Hold {its} wires to {supply} and let {it} run before you go on: later parts cover "
-        "the screws for good"
-    )
+    trial = f"Hold {its} wires to {supply}"
+    if assembly.motor.frame:  # a stepper, which no supply turns by itself
+        trial = f"Connect {it} to {its} driver{'' if its == 'its' else 's'}"
+    return f", and screw {it} on now, from above{below}. {trial} and let {it} run before you go on: later parts cover the screws for good"
 
 
 def _motor_shapes(

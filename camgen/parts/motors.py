@@ -8,16 +8,18 @@ an industrial servo its rated torque. A hand turns, too.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Stepper:
-    """A row: its frame and holding torque, N m."""
+    """A row: its frame and holding torque, N m, and the speed that its maker promises, rpm, where that is known."""
 
     model: str
     frame: str
     holding: float
+    promised_rpm: float = math.inf
 
 
 # Holding torques: Klipper's motor data base (klippy/extras/motor_database of its TMC autotune), as their makers give them.
@@ -30,8 +32,9 @@ STEPPERS = {
         Stepper("35STH48", "nema-14", 0.40),
         Stepper("17HS19-2004S1", "nema-17", 0.59),
         Stepper("17HS24", "nema-17", 0.65),
-        # geared 1:64 in the motor; pulls in and holds more than 34.3 mN m [its maker's table, as in many libraries for it]
-        Stepper("28BYJ-48", "28byj-48", 0.0343),
+        # geared 1:64 in the motor; pulls in and holds more than 34.3 mN m, and follows 1000 steps a second of 5.625/64 deg without
+        # load [its maker's table, as in many libraries for it, which let it turn at 15 rpm at most]
+        Stepper("28BYJ-48", "28byj-48", 0.0343, 1000 * 5.625 / 64 / 6),
     )
 }
 
@@ -66,13 +69,15 @@ _KGF_CM = 0.0980665  # N m
 
 @dataclass(frozen=True)
 class Geared:
-    """A motor with brushes and its gears: torque at stall, N m, and speed without load, rpm, at this voltage."""
+    """A motor with brushes and its gears: torque at stall, N m, and speed without load, rpm, at this voltage; of a servo how far it
+    swings, deg."""
 
     model: str
     volts: float
     stall: float
     no_load_rpm: float
     source: str
+    swing_deg: float = math.inf
 
 
 # Of all models below: no drawing of their makers could be opened. Three public models of an SG90
@@ -87,8 +92,10 @@ GEARED = {
         Geared("N20-298:1", 6.0, 2.0 * _KGF_CM, 45.0, _POLOLU),
         Geared("N20-1000:1", 6.0, 5.5 * _KGF_CM, 13.0, _POLOLU),
         # servos turn to and fro by half a turn; their speed is that of 60 deg in so many seconds
-        Geared("SG90", 4.8, 1.8 * _KGF_CM, 10 / 0.12, "musefsales.com, servo motor SG90"),
-        Geared("MG90S", 4.8, 1.8 * _KGF_CM, 10 / 0.1, "MG90S-Datasheet.pdf of TrDA-hab/Projects"),
+        Geared("SG90", 4.8, 1.8 * _KGF_CM, 10 / 0.12, "musefsales.com, servo motor SG90", 180.0),
+        Geared(
+            "MG90S", 4.8, 1.8 * _KGF_CM, 10 / 0.1, "MG90S-Datasheet.pdf of TrDA-hab/Projects", 180.0
+        ),
     )
 }
 
@@ -134,6 +141,9 @@ class Motor:
     no_load: float = math.inf  # speed without load, rad/s; inf where none is given
     said: str = ""  # what a message says of the torque
     fastest: float = math.inf  # rad/s, beyond which it gives none
+    model: str = ""  # of the catalogue
+    promised: float = math.inf  # rad/s, the greatest speed that its maker promises
+    swing: float = math.inf  # rad, through which a servo turns
 
     def torque(self, speed: float) -> float:
         """What it gives at a speed, rad/s, N m; 0 or less where it does not turn so fast."""
@@ -141,8 +151,24 @@ class Motor:
             return 0.0
         return self.stall * (1 - abs(speed) / self.no_load)
 
+    def warnings(self, speed: float, travel: float) -> Iterator[str]:
+        """What it does not do of what a drive asks: its greatest speed, rad/s, and how far it turns, rad."""
+        named = f'motor.model = "{self.model}"'
+        if speed > self.promised + _ROUNDING:
+            yield (
+                f"{named} is to turn at {speed / RPM:.4g} rpm, and its maker promises {self.promised / RPM:.3g} rpm without load: "
+                "it may stall. Lower the speed_rpm, or take a faster motor"
+            )
+        if travel > self.swing + _ROUNDING:
+            yield (
+                f"{named} is a servo, which swings through {math.degrees(self.swing):g} deg, and is to turn {math.degrees(travel):.4g} deg: "
+                "let a linkage go to and fro by drive.range_deg, or take a gearmotor, or a continuous servo by "
+                "motor.stall_torque_n_m and motor.no_load_rpm"
+            )
+
 
 RPM = math.tau / 60  # rad/s
+_ROUNDING = 1e-9  # rad, or rad/s
 
 
 def of_model(model: str | None, crank: float) -> Motor | None:
@@ -160,10 +186,13 @@ def of_model(model: str | None, crank: float) -> Motor | None:
     if model in GEARED:
         row = GEARED[model]
         said = f"{model} at {row.volts:g} V, from {row.stall:.3g} N m at stall to {row.no_load_rpm:.3g} rpm without load"
-        return Motor(row.stall, row.no_load_rpm * RPM, said)
+        return Motor(
+            row.stall, row.no_load_rpm * RPM, said, model=model, swing=math.radians(row.swing_deg)
+        )
     if model in STEPPERS:
         said = f"{model} holds so much and gives less as it turns"
-        return Motor(STEPPERS[model].holding, said=said)
+        stepper = STEPPERS[model]
+        return Motor(stepper.holding, said=said, model=model, promised=stepper.promised_rpm * RPM)
     if model in SERVOS:
         servo = SERVOS[model]
         said = f"rated torque of {model}, up to {servo.fastest_rpm:g} rpm"
@@ -171,12 +200,17 @@ def of_model(model: str | None, crank: float) -> Motor | None:
     return None
 
 
-def without_seat(model: str | None, diameter: float) -> tuple[str, ...]:
+def without_seat(model: str | None, diameter: float, crank: float = 0.0) -> tuple[str, ...]:
     """A sentence on a motor of the catalogue that a machine turns without, as its parts have no place for it; none on a hand, or
     an industrial servo, which a coupling joins.
 
-    diameter: of the shaft that is made in its place, mm.
+    diameter: of the shaft that is made in its place, mm; crank: mm, of the machine's own hand crank, 0: none.
     """
+    if crank and model not in (None, HAND_CRANK):
+        return (
+            f'motor.model = "{model}" is not used: parts.hand_crank = {crank:g} has the machine turned by hand, and DRIVE_TORQUE is '
+            'judged by that. Write motor.model = "hand crank", or parts.hand_crank = 0 and a seat for the motor',
+        )
     if model in STEPPERS:
         frame = STEPPERS[model].frame
         remedy = f'Set parts.motor = "{frame}" for a seat, and a shaft of {SHAFTS[frame][0]:g} mm'

@@ -348,12 +348,16 @@ def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     return cells, Step(doings, apart=f"{PREFIX} side", shapes=shapes)
 
 
-def _tried(mirror: Mirror, driven: bool, fed: bool, screwed: bool, where: tuple[str, str]) -> Row:
-    """The row of both sides that run on each other, dry; driven: whether a motor does it, fed: by batteries, where: on what the far side
-    lies, and what takes the shaft."""
+def _tried(
+    mirror: Mirror, motor: MotorSeat, fed: bool, screwed: bool, where: tuple[str, str]
+) -> Row:
+    """The row of both sides that run on each other, dry; motor: what does it, fed: by batteries, where: on what the far side lies, and
+    what takes the shaft."""
     on, taker = where
     run = "turn the shaft"
-    if driven:
+    if motor.frame:
+        run = "connect the motor to its driver and let it run"
+    elif motor.reach is not None:
         led = "lead the wires of the batteries past both plates and along a spacer, taped to it where no link comes, join them"
         run = f"{led if fed else 'hold the wires of a supply'} to the motor's and let it run"
     backwards = ". If it goes backwards, swap the motor's two wires" if fed else ""
@@ -438,7 +442,7 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
     further = [_fed(row, far, mirror) for row in further_rows(near)]
     fed = [row for row in further if row[1].shapes]
     rows += fed
-    rows.append(_tried(mirror, near.motor.reach is not None, bool(fed), bool(screws), (on, taker)))
+    rows.append(_tried(mirror, near.motor, bool(fed), bool(screws), (on, taker)))
     joining = _glued(mirror, near.process.fixing.metal, screws, (on, taker), hole)
     cells, step = with_things(joining, [*screws, *coupled(near)])
     hard = "let nothing turn until the glue is hard, as long as its pack says: nothing parts both sides after that"

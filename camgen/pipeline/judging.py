@@ -621,9 +621,10 @@ def motor_without_seat(mechanism: Mechanism) -> tuple[str, ...]:
     """A sentence on the motor of a machine whose parts have no place for it."""
     made = mechanism.assembly
     motor = getattr(mechanism, "motor", None)
-    if motor is None or made.shaft is None or made.motor.crank:
+    if motor is None or made.shaft is None:
         return ()
-    return motors.without_seat(getattr(motor, "model", None), made.shaft.diameter)
+    model = getattr(motor, "model", None)
+    return motors.without_seat(model, made.shaft.diameter, made.motor.crank)
 
 
 def bear_loads(case: Case, kinds: Sequence[str]) -> Outcome:

@@ -8,6 +8,8 @@ from camgen.errors import SpecError
 from camgen.machines.loads.assess import assess
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import read_mechanism
+from camgen.pipeline.judging import motor_without_seat
+from camgen.pipeline.shopping import steps_of_assembly
 
 SPECS = Path(__file__).parents[2] / "specs"
 BIRD = ("gallery/flapping-bird", "parts.hand_crank=0")
@@ -94,3 +96,50 @@ def test_capitals_of_a_model_do_not_matter() -> None:
     )
     with pytest.raises(SpecError, match='parts.motor = "nema-17" is its frame'):
         made("linkage", "motor.model=NEMA17")
+
+
+def warned(machine: Mechanism) -> list[str]:
+    return [*assess(machine).warnings, *motor_without_seat(machine.resolved())]
+
+
+def test_a_stepper_is_not_to_turn_faster_than_its_maker_promises() -> None:
+    """1000 steps a second of 5.625/64 deg: 87.89 deg a second, 14.65 rpm."""
+    stepper = (*BIRD, "parts.motor=28byj-48", "motor.model=28BYJ-48")
+    assert not warned(made(*stepper, "drive.speed_rpm=14.6"))
+    for rpm in (14.7, -600):
+        (said,) = warned(made(*stepper, f"drive.speed_rpm={rpm}"))
+        assert f"is to turn at {abs(rpm):g} rpm, and its maker promises 14.6 rpm" in said
+    # a cycloidal rise by 180 deg in 180 deg of theta is twice as fast in its middle [Norton, C_v = 2]
+    moves = ("rise", "return")
+    program = ", ".join(
+        f'{{kind="{kind}", span_deg=180, lift_deg=180, law="cycloidal"}}' for kind in moves
+    )
+    (said,) = warned(made(*stepper, "drive.speed_rpm=10", f"drive.segment=[{program}]"))
+    assert "is to turn at 20 rpm" in said
+    assert not warned(made(*stepper, "drive.speed_rpm=600", "motor.torque_n_m=1"))
+
+
+def test_a_servo_swings() -> None:
+    servo = ("gallery/flapping-bird", "parts.hand_crank=0", "motor.model=SG90")
+    swings = [each for each in warned(made(*servo)) if "swings through 180 deg" in each]
+    assert len(swings) == 1 and "is to turn 360 deg" in swings[0]
+    narrow = (*servo, "drive.range_deg=[-90, 90]", "drive.speed_rpm=10")
+    assert not [each for each in warned(made(*narrow)) if "swings" in each]
+
+
+def test_a_model_beside_a_hand_crank_is_not_used() -> None:
+    (said,) = warned(made("gallery/flapping-bird", "motor.model=SG90"))
+    assert said.startswith('motor.model = "SG90" is not used: parts.hand_crank = 25')
+    assert not warned(made("gallery/flapping-bird"))
+    assert not warned(made("gallery/flapping-bird", "motor.model="))
+
+
+def test_steps_connect_a_stepper_to_its_driver_and_a_gearmotor_to_a_supply() -> None:
+    """No stepper turns on a supply."""
+    motor = steps_of_assembly(made("gallery/beak").resolved())
+    (said,) = (each.title for each in motor.steps if "Hold the motor under" in each.title)
+    assert "Connect it to its driver and let it run" in said and "supply" not in said
+    can = "parts.can={diameter=24, length=30, boss_diameter=8}"
+    turned = steps_of_assembly(made(*BIRD, can, "parts.base_thickness=6").resolved())
+    (said,) = (each.title for each in turned.steps if "Hold the motor under" in each.title)
+    assert "Hold its wires to its supply" in said

@@ -137,6 +137,14 @@ class _Motor:
         )
         yield at_most("DRIVE_TORQUE", most, given, "N m", where, remark)
 
+    def warnings(self, motor: Motor | None) -> Iterator[str]:
+        """What the motor does not do of what is asked of it."""
+        if motor is None or self.drive.slide:
+            return
+        theta = self.run.theta
+        speed = peak(self.drive.law(theta, 1)) * abs(self.run.machine.speed)
+        yield from motor.warnings(speed, float(np.ptp(self.drive.law(theta, 0))))
+
 
 def torque(
     run: Run,
@@ -176,7 +184,9 @@ def torque(
         if len(motors) == 1 and not each.drive.slide:
             _even(each, check)
         check.plots.append(each.plot(axis))
-        check.findings.extend(each.findings(motor_of(drives, crank)))
+        motor = motor_of(drives, crank)
+        check.findings.extend(each.findings(motor))
+        check.warnings.extend(each.warnings(motor))
     return check
 
 
