@@ -109,7 +109,7 @@ def _run(arguments: Sequence[str] | None) -> int:
     except click.exceptions.Exit as done:
         return done.exit_code
     except KeyboardInterrupt:
-        click.echo("interrupted; earlier results are as they were", err=True)
+        click.echo("interrupted: what was under way is not written", err=True)
         return INTERRUPTED
     except click.ClickException as error:
         told = io.StringIO()

@@ -767,6 +767,8 @@ def test_interrupted_build_leaves_the_earlier_result(
     _, err = process.communicate()
     assert process.returncode == code
     assert "Traceback" not in err
+    if sent is signal.SIGINT:
+        assert err == "interrupted: what was under way is not written\n"
     assert [path.name for path in tmp_path.iterdir()] == ["cam"] and not list(
         (tmp_path / "cam").iterdir()
     )
@@ -848,3 +850,16 @@ def test_a_console_without_utf_8_and_a_path_with_spaces(tmp_path: Path) -> None:
     )
     assert done.returncode == 0 and not done.stderr, done.stderr
     assert rb"\u03b8" in done.stdout and (folder / "disc-cam" / "manifest.json").exists()
+
+
+def test_a_spec_given_as_an_outline_is_said_to_be_none(run: Run, root: Path) -> None:
+    code, _, err = run("motion", root / "specs" / "disc-cam.toml")
+    assert code == FileError.exit_code and "is a spec, no outline: give the DXF, STL or CSV" in err
+
+
+def test_a_design_tells_the_figures_that_it_reached(run: Run, root: Path, tmp_path: Path) -> None:
+    """A feed of 80 is wanted, within 1 %: it is told, and not the spec's name alone."""
+    spec = root / "specs" / "thread-take-up.toml"
+    code, _, err = run("design", spec, tmp_path / "found.toml", "--set", "wanted.feed_range=80")
+    told = re.search(r"Feed stroke +([\d.]+) +mm", err)
+    assert code == 0 and told and float(told[1]) == pytest.approx(80, rel=0.01)

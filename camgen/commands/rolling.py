@@ -17,6 +17,7 @@ from camgen.commands.options import (
     verbose_option,
 )
 from camgen.commands.running import each
+from camgen.errors import FileError
 
 if TYPE_CHECKING:
     from camgen.commands.running import Work
@@ -292,6 +293,8 @@ def _refuse_mixed(options: dict[str, Any], file: Path) -> None:
     if not readers:
         from camgen.measuring.outlines import ENDINGS
 
+        if file.suffix.lower() == ".toml":
+            raise FileError(file, "is a spec, no outline: give the DXF, STL or CSV of a part")
         if file.suffix.lower() in {*ENDINGS} - {".csv"}:  # a CSV may be a cam table
             said = f"give --follower, --roller or --drives: {file.name} is an outline; such as --follower translating,radius=5"
             raise click.UsageError(said)

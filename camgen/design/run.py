@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
@@ -15,6 +15,9 @@ from camgen.design.wanted import asked_for
 from camgen.errors import Fault, SpecError, counted
 from camgen.machines.mechanism import Mechanism
 from camgen.machines.sources import Source, changed, read_mechanism, read_tables, tables_of_text
+from camgen.report.report import Report
+from camgen.report.summary import summary
+from camgen.report.terminal import figure_lines
 from camgen.settings import override
 
 _WITHOUT_FRONT = ("", "drawing", "vary")  # wishes whose search gives one design
@@ -48,8 +51,18 @@ def design(
                 [Fault(("wanted",), "", f'missing: {right}least = "figure"; camgen guide design')],
                 source,
             )
-        return specs.dump(designed())
+        found = designed()
+        for line in _figures_of(found):
+            say(line)
+        return specs.dump(found)
     return _search(kind, Request(data, source, folder, text, ends, jobs, say, keep))
+
+
+def _figures_of(machine: Mechanism) -> Iterator[str]:
+    """What it reaches, as a build tells it of its files: one figure a line."""
+    findings = machine.forecast()
+    reached = Report(machine.name, machine.mechanism, findings, machine.study().numbers)
+    return figure_lines(summary(reached).figures)
 
 
 def _search(kind: str, request: Request) -> str:

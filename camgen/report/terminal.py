@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from camgen.errors import for_terminal, printable
-from camgen.findings import left_out
 from camgen.report.words import NOISE, sentence
 
 if TYPE_CHECKING:
@@ -61,7 +60,8 @@ def print_report(report: Report, quiet: bool = False, verbose: bool = False) -> 
         _say(text)
     if quiet:
         return
-    _print_figures(first.figures)
+    for text in figure_lines(first.figures):
+        _say(text)
     if verbose:
         _print_findings(report)
         for finding in report.findings:
@@ -79,12 +79,11 @@ def _troubles(first: Summary) -> Iterator[str]:
     if codes:
         means = "it means" if len(codes) == 1 else "they mean"
         yield f"what {means} and what helps: camgen explain {' '.join(codes)}"
-    absent = [each for each in first.not_judged if each.absent]
-    if len({each.why for each in absent}) > 1:
-        yield f"{_OPEN}: {left_out(absent)}: the folder has no such files"
-    else:
-        absent = []
-    for codes_open, why in _reasons([each for each in first.not_judged if each not in absent]):
+    absent = sum(each.absent for each in first.not_judged)
+    if absent:
+        need = "kind of finding needs" if absent == 1 else "kinds of findings need"
+        yield f"{_OPEN}: {absent} {need} files that the folder does not have; -v lists them"
+    for codes_open, why in _reasons([each for each in first.not_judged if not each.absent]):
         yield f"{_OPEN}: {codes_open}: {why}"
 
 
@@ -113,7 +112,7 @@ def _print(line: str) -> None:
     )
 
 
-def _print_figures(figures: Sequence[Headline]) -> None:
+def figure_lines(figures: Sequence[Headline]) -> Iterator[str]:
     """Figures with their unit and limit, one a line."""
     rows = []
     for each in figures:
@@ -124,7 +123,7 @@ def _print_figures(figures: Sequence[Headline]) -> None:
         return
     names, values, units, _ = (max(map(len, column)) for column in zip(*rows, strict=True))
     for name, value, unit, beside in rows:
-        _say(f"{name:<{names}}  {value:>{values}}  {unit:<{units}}  {beside}".rstrip())
+        yield f"{name:<{names}}  {value:>{values}}  {unit:<{units}}  {beside}".rstrip()
 
 
 def _print_findings(report: Report) -> None:

@@ -230,8 +230,7 @@ def test_what_was_not_judged_is_said_by_name_in_terminal_and_page(
     first, *told, place, see, buy = capsys.readouterr().out.splitlines()
     assert first == f"uniform-swing: all {len(report.findings)} findings hold; 4 not judged"
     assert told[0] == (
-        "not judged: INTERFERENCE (needs 3MF); BED_FIT (needs STL or 3MF); WATERTIGHT, VOLUME (need STL or 3MF or STEP): "
-        "the folder has no such files"
+        "not judged: 4 kinds of findings need files that the folder does not have; -v lists them"
     )
     assert not told[1].startswith("not judged")
     assert place.startswith(f"files are in {tmp_path / 'uniform-swing'}: ")
