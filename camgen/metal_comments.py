@@ -39,6 +39,7 @@ _WORDS = {
 _LINES = {
     "# A printed groove is made in two pieces, the drum and a ring glued on it, each printed with its wall up: no support stands where the roller\n"
     "# runs. An end cam needs none either. A drum of metal is one piece.\n": "# A drum of metal is one piece.\n",
+    "\nclearance = 0.14\n": f"\n{'clearance = 0.14':{_COLUMN}}# mm; at the limits of all sheets the lock still turns\n",
     "# Printed pins do not bear the unloader's spring.\n": "",
     "show their defaults": "show usual values (metal has defaults of its own)",
 }

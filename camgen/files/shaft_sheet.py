@@ -352,7 +352,8 @@ class _Page:
             lines.append(f"End for the coupling: the last {shaft.length - shaft.coupled:.4g} mm")
             lines.append("Centre holes ISO 6411 allowed at both ends")
         keys = [key for each in shaft.keyways for key in each.keys]
-        where = " and ".join(f"{a:.4g} to {b:.4g}" for a, b in keys)
+        ends = [f"{b:.4g}" if b < shaft.length else "the end" for _, b in keys]
+        where = " and ".join(f"{a:.4g} to {end}" for (a, _), end in zip(keys, ends, strict=True))
         lines += [f"Key{'s' * (len(keys) > 1)} at {where} from the left"] if keys else []
         lines += ["Keyways' corners as DIN 6885"] if shaft.keyways else []
         lines.append(f"Elsewhere Ra {number(facts.roughness_elsewhere)}")

@@ -95,7 +95,7 @@ def test_the_sheets_show_these_limits(tmp_path: Path) -> None:
     parts = {part.name: part for part in machine.assembly.parts}
     for name, sizes in (
         ("pin-2", {"11.5 0/-0.2", "(13)", "1.5"}),
-        ("shaft", {"30.7 0/-0.3"}),
+        ("shaft", {"30.7 0/-0.3", "25.2 0/-0.2"}),
         ("ground", {"10 +0.2/0"}),
     ):
         paths = write_drawing(tmp_path, "m", parts[name], 0.001, found[name])
@@ -105,3 +105,6 @@ def test_the_sheets_show_these_limits(tmp_path: Path) -> None:
             for each in sheet.modelspace().query("DIMENSION")
         }
         assert sizes <= said, said
+        if name == "shaft":  # the hub's key, 6 long, ends with the hub, 0.5 over the shaft
+            notes = {each.dxf.text for each in sheet.modelspace().query("TEXT")}
+            assert any(each.startswith("Keys at 0 to 6 and 25.2 to the end") for each in notes)
