@@ -67,7 +67,9 @@ class Finding:
     def __str__(self) -> str:
         """As a person reads it, on one line."""
         verdict = "holds" if self.ok else "fails"
-        compared = f"{self.measured:.4g} {self.sign} {self.limit:.4g} {self.unit}".rstrip()
+        measured, _ = as_read(self.measured, self.unit)
+        limit, unit = as_read(self.limit, self.unit)
+        compared = f"{measured:.4g} {self.sign} {limit:.4g} {unit}".rstrip()
         if not self.ok:
             compared = f"not {compared}"
         return f"{self.code} {verdict}: {compared}; {self.where}; {self.message}".rstrip("; ")
@@ -88,6 +90,26 @@ class Finding:
             for each in fields(self)
             if each.name not in ("floor", "strict")
         }
+
+
+def as_read(value: float, unit: str) -> tuple[float, str]:
+    """A value and its unit as people read them: a share in percent, and 1 file, not 1 files."""
+    if unit == "share":
+        return 100 * value, "%"
+    return value, _ONE.get(unit, unit) if value == 1 else unit
+
+
+# Units that are counts, of one.
+_ONE = {
+    "contours": "contour",
+    "copies": "copy",
+    "crossings": "crossing",
+    "faults": "fault",
+    "files": "file",
+    "jumps": "jump",
+    "rows": "row",
+    "sheets": "sheet",
+}
 
 
 @dataclass(frozen=True)

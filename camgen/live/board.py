@@ -23,7 +23,7 @@ from camgen import spec as specs
 from camgen.bounds import read_bytes
 from camgen.edits import edited
 from camgen.errors import DesignError, Fault, FileError, SpecError, file_errors
-from camgen.findings import Finding
+from camgen.findings import Finding, as_read
 from camgen.live.gallery import Gallery, cards, usable
 from camgen.live.numbers import Refusal, numbers, overrides, write
 from camgen.live.operations import FILE_NAME, GROUND, NAMED_FILE, ROWS, applied, moved
@@ -367,8 +367,10 @@ def _schema() -> Any:
 
 
 def _failing(finding: Finding) -> str:
-    bound = f"at {'least' if finding.floor else 'most'} {finding.limit:.4g}"
-    measured = f"{finding.measured:.4g} {finding.unit}, {bound}"
+    limit, _ = as_read(finding.limit, finding.unit)
+    bound = f"at {'least' if finding.floor else 'most'} {limit:.4g}"
+    size, unit = as_read(finding.measured, finding.unit)
+    measured = f"{size:.4g} {unit}, {bound}"
     return f"{finding.code}, {finding.where}: {sentence(measured)}; {sentence(finding.message)}"
 
 

@@ -389,7 +389,7 @@ def wished(wish: tuple[float, float, float] | None, stem: float = 0.0) -> dict[s
     stem: diameter of that round which it presses, mm; 0, or where no such spring lasts: it pulls."""
     spring = None if wish is None or not stem else round_stem(*wish, stem)
     spring = spring or (None if wish is None else wound(*wish))
-    return {} if spring is None else {"return spring, to be wound": spring}
+    return {} if spring is None else {"return spring, made to order": spring}
 
 
 def to_wind(wish: tuple[float, float, float] | None, stem: float = 0.0) -> list[Bought]:

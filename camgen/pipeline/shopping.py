@@ -143,10 +143,12 @@ def tools(mechanism: Mechanism) -> list[Bought]:
     for _, size in screw_holes(copies, fixing, _work(mechanism).steps):
         found.setdefault(opener(size), "for holes of screws that come out too tight")
     needs = _needs(mechanism)
-    if any(each.standard == NUT_STANDARD for each in assembly.bought):
-        needs.add("pliers")
-    for name in (each for each in USES if each in needs):
-        found.setdefault(name, USES[name])
+    held = ["springs"] if "pliers" in needs else []
+    held += ["nuts"] if any(each.standard == NUT_STANDARD for each in assembly.bought) else []
+    uses = USES | {"pliers": f"{USES['pliers']}, for {' and '.join(held)}"}
+    for name in uses:
+        if name in needs or (name == "pliers" and held):
+            found.setdefault(name, uses[name])
     for each in assembly.bought:
         key = HEX_KEYS.get(each.standard, {}).get(each.thread)
         if key:

@@ -8,7 +8,7 @@ from html import escape
 
 import numpy as np
 
-from camgen.findings import Finding, NotJudged, checks
+from camgen.findings import Finding, NotJudged, as_read, checks
 from camgen.report import words
 from camgen.report.words import KINDS, NOISE, rounded, sentence
 from camgen.study import Figures, Table
@@ -88,8 +88,8 @@ def to_change(
     rows = [
         f'<tr class="bad"><td class="mark"><b>FAILS</b></td><th scope="row"><code>{escape(f.code)}</code> '
         f"<small>{escape(where)}</small><p>{escape(sentence(f.message))}</p></th>"
-        f'<td class="n">{cell_text(f.measured)}{unit_text(f.unit)}</td>'
-        f'<td class="n">{_SIGNS[f.sign]} {cell_text(f.limit)}{unit_text(f.unit)}</td></tr>'
+        f'<td class="n">{_size(f.measured, f, 6)}</td>'
+        f'<td class="n">{_SIGNS[f.sign]} {_size(f.limit, f, 6)}</td></tr>'
         for f, where in failing
     ]
     rows += [_not_judged(each) for each in not_judged]
@@ -98,6 +98,12 @@ def to_change(
         for title in ("Verdict", "What to change", "Measured", "Limit")
     )
     return f'{said}<table class="change"><thead><tr>{head}</tr></thead><tbody>{"".join(rows)}</tbody></table>'
+
+
+def _size(value: float, finding: Finding, digits: int) -> str:
+    """A value of a finding with its unit."""
+    read, unit = as_read(value, finding.unit)
+    return f"{rounded(read, digits)}{unit_text(unit)}"
 
 
 def _not_judged(each: NotJudged) -> str:
@@ -163,7 +169,7 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         cells = "".join(_cell([f for f in group if _kind(f) == kind], kind) for kind in kinds)
         state = "ok" if worst.ok else "bad"
         verdict = "holds" if worst.ok else "FAILS"
-        limit = f"{_SIGNS[worst.sign]}&nbsp;{rounded(worst.limit, 4)}{unit_text(worst.unit)}"
+        limit = f"{_SIGNS[worst.sign]}&nbsp;{_size(worst.limit, worst, 4)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
             f"<p>{escape(sentence(worst.message))} <small>{escape(str(worst.where))}</small></p></th>{cells}"
@@ -190,7 +196,8 @@ def _cell(group: Sequence[Finding], kind: str) -> str:
     count = f" <small>tightest of {len(group)}</small>" if len(group) > 1 else ""
     bad = "" if all(finding.ok for finding in group) else " bad"
     long = worst.unit == "h" and worst.measured > _LONG_LIFE >= worst.limit
-    said = value_text(worst.measured, "h", 6) if long else rounded(worst.measured)
+    measured, _ = as_read(worst.measured, worst.unit)
+    said = value_text(measured, "h", 6) if long else rounded(measured)
     return f'<td class="n{bad}" data-of="{kind.upper() or "designed"}">{said}{count}{bar}</td>'
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import click
 
 from camgen.errors import for_terminal, printable
+from camgen.findings import as_read
 from camgen.report.words import NOISE, sentence
 
 if TYPE_CHECKING:
@@ -200,22 +201,29 @@ def number(value: float, noise: float = NOISE) -> str:
     )
 
 
+def _size(value: float, finding: Finding) -> str:
+    """A value of a finding with its unit."""
+    read, unit = as_read(value, finding.unit)
+    return f"{number(read)} {unit if unit != '1' else ''}".rstrip()
+
+
 def _sentence(finding: Finding, where: str) -> str:
     """A finding as a sentence with its numbers."""
-    unit = f" {finding.unit}" if finding.unit not in ("", "1") else ""
     rounding = not finding.ok and 0 < finding.measured < NOISE
-    size = f"{f'below {number(NOISE)}' if rounding else number(finding.measured)}{unit}"
+    size = f"below {number(NOISE)} {finding.unit}" if rounding else _size(finding.measured, finding)
     measured = size if not math.isnan(finding.measured) else "could not be measured"
     bound, asked = {
         "<=": ("at most", "allowed"),
         ">=": ("at least", "needed"),
         ">": ("more than", "needed"),
     }[finding.sign]
-    limit = "" if math.isnan(finding.limit) else f"; {asked}: {bound} {number(finding.limit)}{unit}"
+    least = (
+        "" if math.isnan(finding.limit) else f"; {asked}: {bound} {_size(finding.limit, finding)}"
+    )
     at = f" ({where})" if where else ""
     message = sentence(finding.message[:1].upper() + finding.message[1:])
     return (
-        f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{limit}. {message}".rstrip(
+        f"{finding.code}{at} {'holds' if finding.ok else 'fails'}: {measured}{least}. {message}".rstrip(
             " ."
         )
         + "."
@@ -249,17 +257,19 @@ def _next_steps(report: Report, first: Summary, every: bool) -> list[str]:
 
 def _cells(report: Report, finding: Finding) -> dict[str, str]:
     """A row of the table by its columns."""
-    margin = abs(finding.limit - finding.measured)
+    measured, unit = as_read(finding.measured, finding.unit)
+    bound, _ = as_read(finding.limit, finding.unit)
+    margin = abs(bound - measured)
     noise = NOISE * finding.ok
-    limit = "none" if math.isnan(finding.limit) else f"{finding.sign} {number(finding.limit)}"
+    limit = "none" if math.isnan(bound) else f"{finding.sign} {number(bound)}"
     where = replace(finding.where, file=finding.where.file.removeprefix(f"{report.name}-"))
     beside = str(replace(where, theta=None)) and where.angle in ("cam angle", "crank angle")
     return {
         "finding": finding.code,
-        "measured": number(finding.measured, noise),
+        "measured": number(measured, noise),
         "limit": limit,
         "margin": number(margin if finding.ok else -margin, noise),
-        "unit": finding.unit,
+        "unit": unit,
         "where": str(replace(where, angle="at") if beside else where),
         "": "ok" if finding.ok else "FAIL",
     }

@@ -6,6 +6,7 @@ import math
 import re
 from dataclasses import dataclass, field
 
+from camgen.findings import as_read
 from camgen.study import Figure, Figures
 
 # What quantities are called whose own words do not say it in full.
@@ -119,7 +120,6 @@ _GROUP_OF = {each: group for group, found in _QUANTITIES.items() for each in fou
 _SIDES = ("{of} x stroke", "{of} y stroke")  # of a path's box
 _RECOVERED = "stroke recovered {of}"
 _LEAST_RADIUS = "{of} least radius"
-_SHARE = "share"  # the unit of a share of 1
 _SHARES = ("print infill",)  # quantities without a unit that are shares
 
 KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
@@ -150,7 +150,7 @@ def rows(numbers: Figures) -> list[Row]:
             continue
         title = longer.get((each.module, each.of), "") * (each.quantity == _RECOVERED)
         title = title or name(each)
-        value, unit = in_percent(each.value, _SHARE if each.quantity in _SHARES else each.unit)
+        value, unit = as_read(each.value, "share" if each.quantity in _SHARES else each.unit)
         row = found.setdefault((title, unit), Row(each.quantity, title, unit, group(each)))
         row.values[each.kind] = float(value)
         if each.kind:
@@ -176,11 +176,6 @@ def _longer_sides(numbers: Figures) -> dict[tuple[str, str], str]:
         for (module, of), words in named.items()
     }
     return {(module, ""): title for (module, _), title in titles.items()} | titles
-
-
-def in_percent(value: float, unit: str) -> tuple[float, str]:
-    """A value and its unit as people read them: a share in percent."""
-    return (100 * value, "%") if unit == _SHARE else (value, unit)
 
 
 def group(figure: Figure) -> str:

@@ -62,12 +62,12 @@ LIMITS = "limits hold"
 FAILS = "fails"
 REFUSED = "refused"
 WRONG = "wrong"
-_WORDS = {
-    HOLDS: "hold",
-    LIMITS: "hold their limits (no file made)",
-    FAILS: "fail",
-    REFUSED: "refused, cannot be made",
-    WRONG: "wrong, no valid spec",
+_WORDS = {  # of one variant, and of several
+    HOLDS: ("holds", "hold"),
+    LIMITS: ("holds its limits (no file made)", "hold their limits (no file made)"),
+    FAILS: ("fails", "fail"),
+    REFUSED: ("is refused, cannot be made", "are refused, cannot be made"),
+    WRONG: ("is wrong, no valid spec", "are wrong, no valid specs"),
 }
 _REASONS = 5  # that are told, the most frequent
 _SHOWN = 20  # rows that are told
@@ -295,9 +295,9 @@ class SweepResult:
     def summary(self) -> str:
         """The verdicts in a sentence: the same for the same sweep."""
         parts = [
-            f"{self.verdicts[name]} {word}"
-            for name, word in _WORDS.items()
-            if self.verdicts.get(name)
+            f"{count} {one if count == 1 else several}"
+            for name, (one, several) in _WORDS.items()
+            if (count := self.verdicts.get(name))
         ]
         return f"{self.count} variant{'s' if self.count > 1 else ''}: {', '.join(parts)}."
 

@@ -924,7 +924,7 @@ def test_a_base_radius_that_is_too_small_may_be_left_out_as_its_advice_says() ->
     small = mechanism("geometry.base_radius=10", "segment.0.span_deg=60").limits()
     failing = [each for each in small if not each.ok]
     assert {each.code for each in failing} == {"PRESSURE_ANGLE", "CURVATURE"}
-    said = "a larger base_radius (if you leave it out, camgen finds the smallest that holds)"
+    said = "a larger base_radius (where it is left out, camgen takes the smallest that holds)"
     assert all(said in each.message.lower() for each in failing)
     found = mechanism("geometry.base_radius=", "segment.0.span_deg=60").limits()
     assert all(each.ok for each in found)

@@ -556,7 +556,7 @@ def test_springs_of_the_bench_and_to_be_wound() -> None:
     (stress,) = found(
         "SPRING_STRESS", "disc-cam", "load={mass_kg=0.5}", "spring={rate=0.4, preload=10}"
     )
-    assert stress.ok and "to be wound" in str(stress.where)
+    assert stress.ok and "made to order" in str(stress.where)
     load = "load={mass_kg=0.5}"
     lasting, tired = (
         found("SPRING_FATIGUE", "disc-cam", load, f"spring={{{spring}}}", "material.name='C45'")

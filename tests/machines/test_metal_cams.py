@@ -361,7 +361,7 @@ def test_the_list_has_who_makes_what_is_not_bought() -> None:
     rows = {row[1]: (row[0], str(row[2])) for row in parts_table(read_mechanism(starter)).rows}
     how, shaft = rows["shaft"]
     assert how == "turned of steel" and shaft == "20 h6 x 105, C45, see its drawing"
-    assert rows["return spring, to be wound"][0] == "bought"
+    assert rows["return spring, made to order"][0] == "bought"
     tight = read_mechanism(starter, ["drawing.key_fit=P9"]).assembly.bought
     (made,) = (each.shaft for each in tight if each.shaft is not None)
     assert [(each.width, each.fit, each.length) for each in made.keyways] == [(6.0, "P9", 22.0)]

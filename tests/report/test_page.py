@@ -16,7 +16,7 @@ import pytest
 from test_report import EVIL, Page, made_up
 
 from camgen.files.gltf import Shape, Track, glb
-from camgen.findings import Finding, NotJudged, Where, at_least, at_most, worst_of_each
+from camgen.findings import Finding, NotJudged, Where, as_read, at_least, at_most, worst_of_each
 from camgen.geometry.mesh import Mesh
 from camgen.machine.features import PartPose
 from camgen.report.animation import Animation, Body, player
@@ -446,6 +446,16 @@ def test_routine_margins_are_folded_and_counted() -> None:
         and "3 more findings of 3 kinds hold" in text
     )
     assert "3 findings of 3 kinds hold" in margins(far)
+
+
+def test_a_share_is_read_in_percent_and_one_is_no_plural() -> None:
+    where = Where(file="a.dxf", kind="dxf")
+    ripple = at_most("SPEED_RIPPLE", 7.642e-4, 0.01, "share", where, "of the greatest speed")
+    changed = at_most("MANIFEST", 1, 0, "files", Where(), "changed: a.dxf")
+    text = re.sub("<[^>]+>", "", margins([ripple, changed]))
+    assert "0.07642" in text and "≤&nbsp;1 %" in text and "share" not in text
+    assert "0.07642 <= 1 %" in str(ripple) and "not 1 <= 0 files" in str(changed)
+    assert as_read(1, "files") == (1, "file") and as_read(1, "mm") == (1, "mm")
 
 
 def test_no_curve_is_shown_twice() -> None:

@@ -366,3 +366,12 @@ def test_a_heavy_machine_is_weighed_in_kg(grams: float, told: tuple[float, str])
     report = Report("m", "linkage", [], Figures([Figure("mass", grams, "g")]))
     (mass,) = summary(report).figures
     assert (mass.value, mass.unit) == told
+
+
+def test_one_changed_file_is_one_file(capsys: pytest.CaptureFixture[str]) -> None:
+    changed = at_most("MANIFEST", 1, 0, "files", Where(file="manifest.json"), "changed: a.dxf")
+    ripple = at_most("SPEED_RIPPLE", 0.02, 0.01, "share", Where(), "lower it")
+    print_report(Report("demo", "disc-cam", [changed, ripple]))
+    said = capsys.readouterr().out
+    assert "MANIFEST (manifest.json) fails: 1 file; allowed: at most 0 files." in said
+    assert "SPEED_RIPPLE fails: 2 %; allowed: at most 1 %." in said

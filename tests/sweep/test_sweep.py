@@ -424,7 +424,7 @@ def test_command_writes_the_table_and_says_what_it_came_to(tmp_path: Path) -> No
     asked = ["--vary", "geometry.base_radius=9,20", "--keep", "stroke_mm", "-o", str(table)]
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 0, ran.output
-    assert "2 variants: 1 hold their limits (no file made), 1 fail." in ran.output
+    assert "2 variants: 1 holds its limits (no file made), 1 fails." in ran.output
     head, small, large, place = ran.output.splitlines()[1:]
     assert head.split() == ["base_radius,", "mm", "verdict", "stroke_mm", "why"]
     assert small.split() == ["9", "fails", "12", "PRESSURE_ANGLE"]
@@ -473,7 +473,7 @@ def test_command_fails_where_no_variant_holds(tmp_path: Path) -> None:
     ]
     ran = CliRunner().invoke(cli, ["sweep", str(SPEC), *asked])
     assert ran.exit_code == 1 and (tmp_path / "t.csv").exists(), ran.output
-    assert "1 fail, 1 wrong, no valid spec." in ran.output  # by the words of the table
+    assert "1 fails, 1 is wrong, no valid spec." in ran.output  # by the words of the table
     told = CliRunner().invoke(cli, ["sweep", "--help"]).output
     assert "some variant holds" in told and "none holds" in told and "every finding" not in told
 

@@ -471,7 +471,7 @@ class DiscCamDrive(CamTables):
         """Pressure angle, undercut, curvature, face width and jumps of the motion against the spec's limits."""
         f = self.geometry.follower
         further = "an offset towards the rise" if not f.swings else "another arm or pivot_distance"
-        larger = "a larger base_radius (if you leave it out, camgen finds the smallest that holds)"
+        larger = "a larger base_radius (where it is left out, camgen takes the smallest that holds)"
         advice = Advice(
             f"{larger}, a longer span or {further}",
             larger + (" or a smaller radius" if f.shape == "roller" else ""),
