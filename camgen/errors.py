@@ -162,6 +162,13 @@ def no_such(what: str, name: object, known: Sequence[str], source: str) -> Argum
     return ArgumentError([fault], source)
 
 
+def by_beginning(name: str, names: Sequence[str]) -> str | None:
+    """The first of some names whose beginning is nearly a name; None where that is short, or none is alike."""
+    beginnings = {each[: len(name) + 1]: each for each in reversed(names)}
+    near = get_close_matches(name, beginnings, 1, 0.7) if len(name) > 3 else []
+    return beginnings[near[0]] if near else None
+
+
 def wrong_order(order: object, source: str) -> ArgumentError:
     """Error for an order of derivatives beyond 0..2."""
     return ArgumentError([Fault(("order",), str(order), "0, 1 or 2")], source)

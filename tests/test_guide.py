@@ -89,6 +89,9 @@ def test_explain_shows_entries_and_names_the_nearest(run: Any) -> None:  # noqa:
     assert (code, out) == (2, "") and "did you mean 'PRESSURE_ANGLE'?" in err
     code, out, err = run("explain", "TRANSMISSION_ANGEL")
     assert code == 2 and "did you mean 'TRANSMISSION_ANGLE'?" in err
+    assert "did you mean 'TRANSMISSION_ANGLE'?" in run("explain", "TRANSMISION")[2], "the first"
+    assert "did you mean" not in run("explain", "FOO")[2]
+    assert "did you mean 'first-cam'?" in run("guide", "frist")[2]
     code, out, err = run("build", "none.toml", "--only", "pdf")
     assert code == 2 and "Drawings, in PDF too, come with dxf." in err
     code, out, err = run("build", "none.toml", "--only", "dfx,stp")

@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     "--only",
     metavar="KINDS",
     callback=kinds_of,
-    help=f"Make only these kinds of files, from {','.join(ANY_KIND)}. A new build removes all files of an earlier one. servo: cam tables for drives; mjcf: a folder for MuJoCo; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
+    help=f"Make only these kinds of files, from {','.join(ANY_KIND)}. Drawings (PDF) come with dxf, a GLB with report and solids, the parts list with any. A new build removes all files of an earlier one. servo: cam tables for drives; mjcf: a folder for MuJoCo; plots: curves as SVG and PNG; animation: one turn as GIF; picture: PNG.",
 )
 @set_option("Change a key, such as segment.1.lift=8; KEY= removes it.")
 @jobs_option

@@ -17,6 +17,7 @@ from camgen.errors import (
     Fault,
     FileError,
     SpecError,
+    by_beginning,
     explained,
     for_terminal,
     printable,
@@ -40,7 +41,9 @@ def known(
             f"; {', '.join(holders)} say{'s' * (len(holders) == 1)} more of it" if holders else ""
         )
         right = f"one that '{lister}' lists{found}"
-        raise SpecError([replace(unknown((what,), name, names), expected=right)], "command line")
+        fault = unknown((what,), name, names)
+        nearest = fault.nearest or by_beginning(name, [*names])
+        raise SpecError([replace(fault, expected=right, nearest=nearest)], "command line")
     return name
 
 

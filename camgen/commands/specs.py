@@ -82,7 +82,8 @@ def new(
             f"printed only; to save it: camgen new {mechanism} my-{mechanism}.toml", err=True
         )
         return
-    click.echo(printable(f"wrote {file}, which builds as it is"), err=True)
+    state = "which builds as it is" if source is None else "as it was drawn; a build judges it"
+    click.echo(printable(f"wrote {file}, {state}"), err=True)
     if starters.write_schema(load(kind), kind, file.parent):
         named = file.parent / starters.schema_name(kind)
         click.echo(

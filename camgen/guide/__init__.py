@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -124,13 +123,11 @@ def explanation(
         return Explanation(law)
     name = code.upper().replace("-", "_")
     if name not in known:
-        from camgen.errors import SpecError
+        from camgen.errors import SpecError, by_beginning
         from camgen.spec import unknown
 
         fault = unknown(("CODE",), name, known)
-        beginnings = {each[: len(name) + 1]: each for each in known}
-        for near in get_close_matches(name, beginnings, 1, 0.75):
-            fault = replace(fault, nearest=beginnings[near])
+        fault = replace(fault, nearest=by_beginning(name, [*known]) or fault.nearest)
         if not fault.nearest:
             fault = unknown(("CODE",), code, laws())
         right = "a finding that 'camgen explain' lists, or a law of 'camgen list'"

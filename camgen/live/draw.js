@@ -178,7 +178,7 @@ function draw(seen) {
       if (Math.abs(drawn - value) > 0.01 * value) out.push(words([(to(a)[0] + to(b)[0]) / 2 + 9, (to(a)[1] + to(b)[1]) / 2 + 16],
         `${key} = ${value}, drawn ${drawn.toFixed(1)}`, "wrong"));
     }
-    out.push(`<path class="axis" d="M16 ${h - 21}v5h${(grid * scale).toFixed(1)}v-5"/>`, words([22 + grid * scale, h - 14], `${grid} mm`, "size scale"));
+    out.push(`<path class="scale" d="M16 ${h - 21}v5h${(grid * scale).toFixed(1)}v-5"/>`, words([22 + grid * scale, h - 14], `${grid} mm`, "size scale"));
     if (drag && drag.from) out.push(`<path class="rubber" d="M${onScreen(drag.from)}L${onScreen(drag.to)}"/>`);
     svg.innerHTML = out.join("");
     const said = note || (tried && tried.reason);

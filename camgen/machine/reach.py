@@ -90,15 +90,22 @@ def refuse_partial(machine: Machine, least: float = 0.0) -> None:
         cure = (
             f"let it go to and fro, drive.range_deg = [{begin:.10g}, {end:.10g}]{short}, or {cure}"
         )
-    closes = f"the chain closes only from {low:.6g} to {high:.6g} deg of its angle, and opens at {names} beyond that"
+    closes = f"from {_shown(low)} to {_shown(high)} deg"
     raise DesignError(
         "range of the drive",
         high - low,
         360,
         "deg",
-        f"{names}: it closes from {low:.6g} to {high:.6g} deg",
+        f"{names}: it closes {closes}",
         cure + crank_limits(machine, span.ends, crank),
-    ).saying(f"the drive cannot turn fully, all the way round: {closes}")
+    ).saying(
+        f"the drive cannot turn fully: the chain closes only {closes} of its angle, and opens at {names} beyond that"
+    )
+
+
+def _shown(angle: float) -> str:
+    """An angle, deg, to a hundredth."""
+    return f"{round(angle, 2) + 0.0:g}"
 
 
 def _links(machine: Machine, span: Reach) -> str:

@@ -149,7 +149,7 @@ def test_the_command(run: Any, chains: dict[str, str], tmp_path: Path) -> None: 
     source, file = tmp_path / "Crank Rocker.pmks", tmp_path / "mine.toml"
     source.write_text(chains["pmks_crank_rocker"], encoding="utf-8")
     code, out, err = run("new", "linkage", file, "--from", source)
-    assert (code, out) == (0, "") and err.startswith(f"wrote {file}, which builds as it is")
+    assert (code, out) == (0, "") and err.startswith(f"wrote {file}, as it was drawn")
     assert validate(Linkage, read(file)).name == "mine"
     code, out, _ = run("new", "linkage", "--from", source)
     assert (
