@@ -348,6 +348,7 @@ _COMMA = re.compile(r"=\s*([+-]?\d+),(\d+)\s*(?:#.*)?$")
 _UNQUOTED = re.compile(
     r"""=\s*(?:["'](?=[^"'#]*(?:#|$)))?([A-Za-z][\w .-]*?)["']?\s*(?:[,}#].*)?$"""
 )
+_RATIO = re.compile(r"=\s*([+-]?\d+)\s*/\s*(\d+)\s*(?:#.*)?$")
 _WITH_UNIT = re.compile(r"=\s*([+-]?[\d.]+)\s*([a-zA-Z°]+)\s*(?:#.*)?$")
 _ROUND = re.compile(r"=\s*\(([^()]*)\)")
 _COLON = re.compile(r"""([\w-]+(?:\.[\w-]+)*|"[^"]*")\s*:\s*(.*?)\s*(?:#.*)?$""")
@@ -367,6 +368,8 @@ def _slip(line: str, reason: str) -> str:
         return 'TOML, not JSON: mechanism = "...", one key a line'
     if number := _COMMA.search(line):
         return f"a decimal point, not a comma: {number[1]}.{number[2]}"
+    if (ratio := _RATIO.search(line)) and float(ratio[2]):
+        return f"a decimal number: {float(ratio[1]) / float(ratio[2]):.6g}"
     if number := _WITH_UNIT.search(line):
         return f"a number without a unit: {number[1]}"
     if items := _ROUND.search(line):
@@ -386,6 +389,9 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
     if slip := _slip(line, reason):
         return slip
     name = line.partition("]")[0].strip("[ ")
+    if re.fullmatch(r"\[+[\w. -]+\]*", line) and line.count("[") != line.count("]"):
+        double = line.startswith("[[")
+        return f"as many brackets on both sides: {f'[[{name}]]' if double else f'[{name}]'}"
     if reason == "Cannot overwrite a value" and line.startswith("[["):
         return f"[[{name}]] at each row of a list: above it stands otherwise, such as [{name}]"
     if _TWICE.fullmatch(reason) and not line.startswith("[["):

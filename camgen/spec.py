@@ -1039,7 +1039,7 @@ _SMALL = re.compile(
     "tolerance|clearance|allowance|play|lash|kerf|error|gap|offset|step|caliper|^drawing$"
 )
 _MASSIVE = 100.0  # kg, more than what a machine of this size moves
-_NUMBER = re.compile(r"([+-]?\d+(?:[.,]\d+)?)\s*(\S*)")
+_NUMBER = re.compile(r"([+-]?\d+(?:[.,/]\d+)?)\s*(\S*)")
 _FIGURE = re.compile(r"[+-]?\d+(?:\.\d+)?")
 _LISTED = re.compile(
     r"[\[(]?\s*[+-]?[\d.]+(?:\s*[,; x]\s*[+-]?[\d.]+)+\s*[\])]?"
@@ -1077,7 +1077,7 @@ def _meant_list(value: object, node: Data) -> str:
     if isinstance(value, list) and len(node.get("prefixItems", ())) + 1 == len(value) == 3:
         a, b, c = map(str, value)
         if f"{a}{b}{c}".lstrip("-").isdigit() and b.isdigit():
-            return f"two numbers, with decimal points: write [{a}.{b}, {c}] or [{a}, {b}.{c}]"
+            return f"two numbers: write [{a}, {b}], or with decimal points [{a}.{b}, {c}] or [{a}, {b}.{c}]"
     if isinstance(value, list) and node.get("type") == "string" and list(map(type, value)) == [str]:
         return f'text, no list: write "{value[0]}"'
     if not isinstance(value, str) or node.get("type") != "array":
@@ -1096,6 +1096,12 @@ def _meant_table(value: object, node: Data, root: Data) -> str:
             keys = (f"{key} = {value:g}" if key == "value" else f"{key} = ..." for key in needed)
             return f"a table: write {{ {', '.join(keys)} }}"
     return ""
+
+
+def _decimal(text: str) -> str:
+    """A number with a comma, or a ratio, as TOML has it."""
+    whole, _, part = text.replace(",", ".").partition("/")
+    return f"{float(whole) / (float(part) or 1.0):.6g}" if part else whole
 
 
 def _meant(path: Sequence[str | int], value: object, node: Data, root: Data) -> str:
@@ -1122,7 +1128,7 @@ def _meant(path: Sequence[str | int], value: object, node: Data, root: Data) -> 
     found = _NUMBER.fullmatch(value.strip()) if isinstance(value, str) and unit else None
     if found is None or unit is None:
         return ""
-    number = found[1].replace(",", ".")
+    number = _decimal(found[1])
     written = found[2]
     if not written:
         right = "with a decimal point" if "," in found[1] else "without quotes"

@@ -67,7 +67,10 @@ class Figures(Mapping[str, float]):
         self._by_key = {each.key: each for each in records}
 
     def __getitem__(self, key: str) -> float:
-        return self._by_key[key].value
+        try:
+            return self._by_key[key].value
+        except KeyError:
+            raise KeyError(f"no figure {key!r}: list(numbers) names them all") from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._by_key)

@@ -221,7 +221,7 @@ def test_name_that_is_one(name: str) -> None:
         (b"", "line 1, column 1", "empty"),
         (b"# a remark\n\n", "line 1, column 1", "empty"),
         (b"a = \nb = 1", "line 1, column 5", "Invalid value"),
-        (b"a = 1\n[x\n", "line 2, column 3", "']'"),
+        (b"a = 1\n[x\n", "line 2, column 3", "expected as many brackets"),
         (b"a = 1\na = 2\n\n\n", "line 2, column 6", "stands in line 1 too"),
         (b'a = 1\nb = "\xff"', "line 2, column 6", "UTF-8"),
         (b"\x00\x01", "line 1, column 1", "Invalid"),
@@ -244,6 +244,7 @@ def test_syntax_fault_has_line_and_column(
 @pytest.mark.parametrize(
     "line, cure",
     [
+        ("width = 1/4  # in", "a decimal number: 0.25"),
         ("width = 12,5  # mm", "a decimal point, not a comma: 12.5"),
         ("width: 12.5  # mm", "= in place of the colon: width = 12.5"),
         ('side = "D", "E"', 'a list of texts in brackets, each in quotes: ["D", "E"]'),
@@ -259,6 +260,9 @@ def test_syntax_fault_has_line_and_column(
             "[shape] once: it stands in line 1 too; put all of its keys under one (rows of a list begin with [[shape]])",
         ),
         ("side = \u201cleft\u201d", 'straight quotes: "..."'),
+        ("[size", "as many brackets on both sides: [size]"),
+        ("[[size]", "as many brackets on both sides: [[size]]"),
+        ("[size]]", "as many brackets on both sides: [size]"),
         (
             "[[shape]]",
             "[[shape]] at each row of a list: above it stands otherwise, such as [shape]",
@@ -333,6 +337,7 @@ def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
     [
         ("25 mm", "lengths are in mm: write 25"),
         ("2,5cm", "lengths are in mm: write 25"),
+        ("1/4 in", "lengths are in mm: write 6.35"),
         ('1"', "lengths are in mm: write 25.4"),
         ("12,5", "a number with a decimal point: write 12.5"),
         ("25 apples", "a number >= 0.001 and <= 1000000"),
