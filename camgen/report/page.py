@@ -320,8 +320,8 @@ def _as_cut(table: Table) -> Table:
 
 
 _TURNED = "turned of steel"  # as the list has it
-_CUT = "cut and filed of steel"  # from a rod of the list, which needs no lathe
-_MILLED = "cut and milled of steel"  # the same with a keyway
+_CUT = "turned of steel: here cut from the rod and filed"  # of the list, which needs no lathe
+_MILLED = "turned of steel: here cut from the rod and milled"  # the same with a keyway
 
 
 def _margins(report: Report) -> str:
@@ -437,9 +437,7 @@ def _parts(report: Report) -> str:
             links += [_link(report, drawing, said)] if drawing in report.files else []
         facts = [str(part["title"])] if part.get("title") else []
         facts += (
-            [f"{rounded(_float(part['thickness_mm']), 3)} mm high"]
-            if "thickness_mm" in part
-            else []
+            [f"{rounded(_float(part['thickness_mm']))} mm high"] if "thickness_mm" in part else []
         )
         facts += [how] if by_hand else []
         facts += [each for each in [_estimate([(row, 1 / _count(row))])] if each]
@@ -457,7 +455,7 @@ def _parts(report: Report) -> str:
     )
 
 
-_NOT_PRINTED = ("bought", "cut of steel", _CUT, _MILLED)
+_NOT_PRINTED = ("bought", "cut of steel")
 _TO_PRINT = ("stl", "3mf")  # files for a slicer
 
 
@@ -513,7 +511,8 @@ def _plates(report: Report) -> str:
     count = len(cards)
     these = f"these {count} plates: they hold" if count > 1 else "this plate: it holds"
     again = "Take the file of a single part only to print that part again."
-    filament = f"They need about {rounded(mass, 2)} g of {_plastic(report)}. " if mass else ""
+    need = "They need" if count > 1 else "It needs"
+    filament = f"{need} about {rounded(mass, 2)} g of {_plastic(report)}. " if mass else ""
     bed = "for a bed of {:g} × {:g} mm".format(*report.scene.plates[0].bed) if cards else ""
     said = f"<p>Print {these} every part, {bed}. {_settings(report)}{filament}{_footing(report)}{again}</p>"
     return said + _cards(cards) if cards else ""

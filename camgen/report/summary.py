@@ -134,7 +134,7 @@ def summary(report: Report) -> Summary:
         list(_figures(report))[:_COUNT],
         [*files.values()],
         [(kind, count[kind]) for kind in _KINDS if count[kind]],
-        [*_steps(report.name, files, _print_time(report), _purchases(report))],
+        [*_steps(report, files)],
     )
 
 
@@ -244,12 +244,15 @@ def _purchases(report: Report) -> str:
     return f"{kinds}, {pieces} piece{'s' * (pieces > 1)}" if counts else ""
 
 
-def _steps(name: str, files: Mapping[str, str], time: str, bought: str) -> Iterator[FileStep]:
-    """What to do with the files of a machine; files: their paths by their names; time: that it takes to print all, and how much is
-    bought, in words."""
+def _steps(report: Report, files: Mapping[str, str]) -> Iterator[FileStep]:
+    """What to do with the files of a machine; files: their paths by their names."""
+    name = report.name
+    bought = _purchases(report)
     if "report.html" in files:
         moves = " move" if "motion.csv" in files else ""  # a coupon's does not
-        yield FileStep("open", "report.html", f" in a browser to see it{moves}")
+        built = f"{name}-assembly.glb" in files and any(len(t.steps) > 1 for t in report.tables)
+        joined = " and how to put it together" if built else ""
+        yield FileStep("open", "report.html", f" in a browser to see it{moves}{joined}")
     parts = files.get(f"{name}-parts.csv")
     if parts and bought:
         yield FileStep("buy what is marked bought or stock in", parts, f" ({bought})")
@@ -260,7 +263,7 @@ def _steps(name: str, files: Mapping[str, str], time: str, bought: str) -> Itera
         numbers = [each.removesuffix(".3mf").removeprefix(stem) for each in more]
         last = f" to {numbers[-1]}" if len(numbers) > 1 else ""
         others = f", and plate{numbers[0]}{last}" if numbers else ""
-        yield FileStep("print", files[first], others + time)
+        yield FileStep("print", files[first], others + _print_time(report))
     sheets = [each for each in files if re.fullmatch(rf"{re.escape(name)}-sheet-\d+\.svg", each)]
     if sheets:
         yield FileStep(

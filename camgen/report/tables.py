@@ -38,12 +38,17 @@ def cell_text(value: object, digits: int = 6) -> str:
         return str(value).replace("-", "−")
     if isinstance(value, float | np.floating):
         return rounded(float(value), digits)
-    return escape("" if value is None else str(value))
+    return _raised("" if value is None else str(value))
 
 
 def unit_text(unit: str) -> str:
     """A unit behind a number."""
-    return f" <small>{escape(unit)}</small>" if unit not in ("", "1") else ""
+    return f" <small>{_raised(unit)}</small>" if unit not in ("", "1") else ""
+
+
+def _raised(text: str) -> str:
+    """Escaped text with its squares and cubes raised."""
+    return escape(text).replace("^2", "²").replace("^3", "³")
 
 
 def html_table(table: Table) -> str:
@@ -59,10 +64,9 @@ def html_table(table: Table) -> str:
         return ' class="n"' if isinstance(cell, int | float | np.number) else ""
 
     models = table.rows[0] if table.rows else table.columns
-    names = (column.replace("^2", "²").replace("^3", "³") for column in table.columns)
     head = "".join(
-        f'<th scope="col"{kind(model)}>{escape(name)}</th>' if name else "<td></td>"
-        for name, model in zip(names, models, strict=True)
+        f'<th scope="col"{kind(model)}>{_raised(name)}</th>' if name else "<td></td>"
+        for name, model in zip(table.columns, models, strict=True)
     )
     head = f"<caption>{escape(table.title)}</caption><thead><tr>{head}</tr></thead>"
     body = "".join(map(line, table.rows))
@@ -87,7 +91,7 @@ def to_change(
         return said
     rows = [
         f'<tr class="bad"><td class="mark"><b>FAILS</b></td><th scope="row"><code>{escape(f.code)}</code> '
-        f"<small>{escape(where)}</small><p>{escape(sentence(f.message))}</p></th>"
+        f"<small>{escape(where)}</small><p>{_raised(sentence(f.message))}</p></th>"
         f'<td class="n">{_size(f.measured, f, 6)}</td>'
         f'<td class="n">{_SIGNS[f.sign]} {_size(f.limit, f, 6)}</td></tr>'
         for f, where in failing
@@ -172,7 +176,7 @@ def _margins(groups: Sequence[Sequence[Finding]], kinds: Sequence[str]) -> str:
         limit = f"{_SIGNS[worst.sign]}&nbsp;{_size(worst.limit, worst, 4)}"
         rows.append(
             f'<tr class="{state}"><th scope="row"><span class="mark"><b>{verdict}</b></span> <code>{escape(worst.code)}</code>'
-            f"<p>{escape(sentence(worst.message))} <small>{escape(str(worst.where))}</small></p></th>{cells}"
+            f"<p>{_raised(sentence(worst.message))} <small>{escape(str(worst.where))}</small></p></th>{cells}"
             f'<td class="n" data-of="limit">{limit}</td></tr>'
         )
     columns = "".join(f'<th scope="col">{title}</th>' for title in head)

@@ -13,6 +13,7 @@ from camgen.study import Figure, Figures
 NAMES = {
     "clearance band {of}": "worst-case free play, either way: {of}",
     "play {of}": "free play of the output: {of}",
+    "{of} length": "{of} path length",
     "{of} stroke along": "{of} stroke, its direction",
     "motion error {of}": "motion error: {of}",
     "tip motion error {of}": "motion error of the tip alone: {of}",
@@ -83,12 +84,6 @@ NAMES = {
         for sign, word in (("r", "r"), ("alpha", "α"), ("beta", "β"))
     },
     "dwell within 0_25 mm": "dwell within 0.25 mm",
-    "feed max": "feed, greatest",
-    "feed max at": "feed, where greatest",
-    "feed min": "feed, least",
-    "feed min at": "feed, where least",
-    "transmission angle max": "transmission angle, greatest",
-    "transmission angle min": "transmission angle, least",
 }
 
 # Groups of figures, and what belongs to each: what was measured in files, else by the quantity, else by the unit.
@@ -125,6 +120,7 @@ _SHARES = ("print infill",)  # quantities without a unit that are shares
 KINDS = ("dxf", "stl", "3mf", "step")  # of files that are measured
 NOISE = 1e-9  # what is less counts as 0: lengths are known to some nanometres at best
 
+_EXTREME = re.compile(r" (min|max)( at)?$")  # ends the name of a quantity
 _ROUNDING = re.compile(
     r"(?<![\w.-])-?\d+(\.\d+)?e-[1-9]\d+(?!\w)"
 )  # a number below NOISE, as a program writes it
@@ -187,10 +183,16 @@ def group(figure: Figure) -> str:
 
 def name(figure: Figure) -> str:
     """What a person reads: "motion error {of}" is "Motion error: pen"."""
-    words = NAMES.get(figure.quantity, figure.quantity)
-    words = words.format(of=figure.of.replace("_", " "), joint=figure.joint).strip(" :")
+    words = _EXTREME.sub(_extreme, NAMES.get(figure.quantity, figure.quantity))
+    words = words.format(of=figure.of, joint=figure.joint).replace("_", " ").strip(" :")
     words = f"{figure.module.replace('_', ' ')} {words}".strip()
     return words if words[1:2] in "₁₂" else words[:1].upper() + words[1:]
+
+
+def _extreme(found: re.Match[str]) -> str:
+    """ " min" and " max at" as people say it: ", least" and ", where greatest"."""
+    size = "least" if found[1] == "min" else "greatest"
+    return f", where {size}" if found[2] else f", {size}"
 
 
 def sentence(text: str) -> str:

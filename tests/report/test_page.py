@@ -458,6 +458,12 @@ def test_a_share_is_read_in_percent_and_one_is_no_plural() -> None:
     assert as_read(1, "files") == (1, "file") and as_read(1, "mm") == (1, "mm")
 
 
+def test_squares_and_cubes_are_raised_in_units_and_messages() -> None:
+    message = "18.0 mm^3 in the file, of 80 g/m^2"
+    text = margins([at_most("VOLUME", 1, 2, "mm^3", Where(file="a.3mf", kind="3mf"), message)])
+    assert "^" not in text and "18.0 mm³" in text and "80 g/m²" in text
+
+
 def test_no_curve_is_shown_twice() -> None:
     x = np.linspace(0, 360, 1441)
     lift = Plot("Lift", "cam angle, deg", "mm", [("wanted", x, np.sin(np.radians(x)))])
@@ -547,8 +553,8 @@ def test_cards_and_plates_say_what_they_take_and_what_is_not_printed() -> None:
     assert all(page.count("demo-cam.dxf") >= 1 for page in pages)
     assert [page.count("STL</a>") for page in pages] == [1, 0, 0]
     assert "12 g, 1.5 h" in pages[0] and "1 copy; about 12 g, 1.5 h" in pages[0]
-    assert pages[2].count("cut and filed of steel") == 3, "in the lists and on the card"
-    assert "turned of steel" not in pages[2], "one word for one part on a page"
+    assert pages[2].count("here cut from the rod and filed") == 3, "in the lists and on the card"
+    assert pages[2].count("turned of steel") == 3, "one word for one part on a page"
     assert "about 12 g of PLA" in pages[0] and "g of PLA" not in pages[1]
     assert not any("1 copy; about" in page for page in pages[1:])
 
@@ -564,12 +570,12 @@ def test_what_is_cut_from_a_rod_of_the_list_is_said_to_be_cut_and_filed() -> Non
     columns = ("how", "part", "what", "count", "material, mm^3")
     page = to_html(replace(solid(), tables=[Table("Parts list", columns, rows, shopping=True)]))
     bought = page.partition('id="to-shopping"')[2].partition("</section>")[0]
-    ways = r"(\w+ (?:and \w+ )?of steel)\W.*?(shaft|pin|axle)"
+    ways = r"<th scope=\"row\">([^<]*)</th>.*?(shaft|pin|axle)<"
     made = dict(re.findall(ways, bought, re.DOTALL))
     assert made == {
-        "cut and filed of steel": "shaft",
+        "turned of steel: here cut from the rod and filed": "shaft",
         "turned of steel": "pin",
-        "cut and milled of steel": "axle",
+        "turned of steel: here cut from the rod and milled": "axle",
     }
 
 

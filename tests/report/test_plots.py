@@ -268,6 +268,21 @@ def test_settings_of_the_printer_are_a_group_and_a_share_is_in_percent() -> None
     assert [(row.unit, row.values) for row in rows(numbers)][2] == ("%", {"": 40.0})
 
 
+def test_extremes_and_joints_are_named_in_words() -> None:
+    figures = [
+        Figure("coupler rate max at", 1.0, "deg"),
+        Figure("curvature radius min", 2.0, "mm"),
+        Figure("reaction {joint}", 3.0, "N", joint="A of left_rod"),
+        Figure("{of} length", 4.0, "mm", "left_tip"),
+    ]
+    assert [row.name for row in rows(Figures(figures))] == [
+        "Coupler rate, where greatest",
+        "Curvature radius, least",
+        "Reaction A of left rod",
+        "Left tip path length",
+    ]
+
+
 def test_a_path_that_turns_on_the_spot_has_no_least_radius_to_show() -> None:
     both = [Figure("{of} least radius", value, "mm", of) for of, value in (("a", 0.0), ("b", 2.0))]
     assert [row.name for row in rows(Figures(both))] == ["B least radius"]

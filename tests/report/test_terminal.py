@@ -17,7 +17,7 @@ from camgen.report.report import Report
 from camgen.report.summary import summary
 from camgen.report.terminal import number, print_report
 from camgen.report.words import sentence
-from camgen.study import Figure, Figures
+from camgen.study import Figure, Figures, Step, Table
 
 FINDINGS = (
     at_most(
@@ -375,3 +375,18 @@ def test_one_changed_file_is_one_file(capsys: pytest.CaptureFixture[str]) -> Non
     said = capsys.readouterr().out
     assert "MANIFEST (manifest.json) fails: 1 file; allowed: at most 0 files." in said
     assert "SPEED_RIPPLE fails: 2 %; allowed: at most 1 %." in said
+
+
+def test_a_page_with_steps_is_said_to_show_how_to_put_it_together(tmp_path: Path) -> None:
+    """A machine of one part has none; nor has a page without the solids that its steps show."""
+    for each in ("report.html", "motion.csv", "demo-assembly.glb"):
+        (tmp_path / each).touch()
+    order = Table(
+        "Assembly", ("step", "part"), [(1, "cam"), (2, "arm")], steps=[Step(()), Step(())]
+    )
+    report = Report("demo", "linkage", [], tables=[order], folder=tmp_path)
+    (step,) = summary(report).steps
+    assert step.rest.endswith("to see it move and how to put it together")
+    (tmp_path / "demo-assembly.glb").unlink()
+    (step,) = summary(report).steps
+    assert step.rest.endswith("to see it move")
