@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import combinations
 from typing import Any, Literal
 
 import numpy as np
@@ -30,6 +31,7 @@ from camgen.machines.linkage.links import shape
 from camgen.parts.generator.cycloids import CycloidWish
 from camgen.parts.generator.wheels import follower_of, pivot
 from camgen.parts.wheels.geneva import GenevaLaw
+from camgen.tolerances import SAME_POINT
 
 GROUND = m.GROUND
 _LEAST_SHIFT = 1.0  # mm or deg, of a follower from where it is drawn, that is told
@@ -47,9 +49,23 @@ class DrawnMachine:
         closed = closed_by_dyads(drawn)
         if closed is not None:
             return closed
-        machine = freedom.close_drawing(drawn)
-        freedom.refuse_unsound(machine)
+        try:
+            machine = freedom.close_drawing(drawn)
+            freedom.refuse_unsound(machine)
+        except DesignError as error:
+            if alike := self._at_one_place():
+                raise error.mended(f"draw {alike} at two places: they are at one") from None
+            raise
         return machine
+
+    def _at_one_place(self) -> str:
+        """Two points of a moving link that are drawn at one place; "" where none are."""
+        for name, points in self.drawing.links.items():
+            for a, b in combinations(points, 2):
+                place, other = self.drawing.drawn([a, b])
+                if name != GROUND and abs(place - other) < SAME_POINT:
+                    return f"{a} and {b} of {name}"
+        return ""
 
     def released(self, machine: m.Machine) -> m.Machine:
         """The machine with its freewheels; what they turn on is held still by drives of their names until then."""
