@@ -316,6 +316,17 @@ def test_a_line_is_named_only_where_the_key_stands(tmp_path: Path, text: str, sa
         read(path)
 
 
+def test_what_a_table_lacks_comes_behind_what_is_wrong_in_it(tmp_path: Path) -> None:
+    """A wrong word first: what its meaning lacks is told as well, and follows from it."""
+    text = starters.text("disc-cam").replace('"translating"', '"swinging"')
+    spec = tmp_path / "s.toml"
+    spec.write_text(text, encoding="utf-8")
+    with pytest.raises(SpecError) as caught:
+        camgen.load(spec)
+    keys = [fault.path[-1] for fault in caught.value.faults]
+    assert keys[0] == "motion" and {"arm", "pivot_distance"} <= {*keys[1:]}
+
+
 def test_a_spec_that_is_not_there_is_looked_for_beside(tmp_path: Path) -> None:
     (tmp_path / "shopcam.toml").write_text("a = 1")
     for name in ("shopcam", "shop-cam.toml"):

@@ -247,6 +247,7 @@ def _linear(colour: str) -> list[float]:
 # ---- read back -------------------------------------------------------------------------------------------------------
 
 _SIZE = Bound("a GLB", 200_000_000)
+_HEAD = 20  # bytes of the file's header and of its first chunk's
 _MOST_SAID = 10_000_000  # bytes of JSON in a file
 # What may be said of the whole and of each kind of node: anything else could move, scale or hide something.
 _PARTS = {
@@ -305,6 +306,8 @@ class _Glb:
     """A file's two chunks."""
 
     def __init__(self, data: bytes) -> None:
+        if len(data) < _HEAD:
+            raise ValueError(f"it is cut short: {len(data)} bytes")
         mark, version, size, length, kind = struct.unpack_from("<4sIII4s", data)
         if (mark, version, size, kind) != (b"glTF", 2, len(data), b"JSON"):
             raise ValueError("it is no glTF 2.0, or not as long as it says")

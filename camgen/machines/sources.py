@@ -55,7 +55,8 @@ def _lines(spec: Path) -> Mapping[Key, int]:
 
 
 def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecError:
-    """The error with the line of each fault, in their order; keys that were set anew have none."""
+    """The error with the line of each fault, in their order, what a table lacks behind what is wrong in it; keys that were set anew
+    have none."""
     lines = _lines(spec)
     anew = [split_setting(setting)[0] for setting in overrides]
 
@@ -66,8 +67,16 @@ def _located(error: SpecError, spec: Path, overrides: Sequence[str]) -> SpecErro
         held = (path[:k] for k in range(len(path), 0, -1))
         return replace(fault, line=next((lines[each] for each in held if each in lines), None))
 
-    faults = map(located, error.faults)
-    return SpecError(sorted(faults, key=lambda fault: fault.line or math.inf), error.source)
+    faults = [located(fault) for fault in error.faults]
+    last: dict[Key, int] = {}  # line of a fault in each table
+    for fault in faults:
+        last[fault.path[:-1]] = max(last.get(fault.path[:-1], 0), fault.line or 0)
+
+    def place(fault: Fault) -> tuple[float, bool]:
+        lacks = fault.line is not None and fault.path not in lines
+        return last[fault.path[:-1]] if lacks else fault.line or math.inf, lacks
+
+    return SpecError(sorted(faults, key=place), error.source)
 
 
 @contextmanager

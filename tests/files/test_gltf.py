@@ -267,3 +267,10 @@ def test_any_bytes_are_read_or_refused(
     )
     with suppress(FileError):
         read_glb(path)
+
+
+def test_a_file_without_a_header_is_told_as_cut_short(tmp_path: Path) -> None:
+    path = tmp_path / "short.glb"
+    path.write_bytes(b"glTF")
+    with pytest.raises(FileError, match="it is cut short: 4 bytes"):
+        read_glb(path)
