@@ -351,7 +351,9 @@ def _key_figures(first: Summary) -> str:
 
 
 def _key_figure(each: Headline) -> str:
-    value = each.said(lambda value: value_text(value, each.unit, 3))
+    value = each.said(
+        lambda value: rounded(value, 3) if each.is_error else value_text(value, each.unit, 3)
+    )
     beside = escape(each.beside(lambda value: rounded(value, 3)))
     return f"<div><dt>{escape(each.name)}</dt><dd>{value}{unit_text(each.unit)} <small>{beside}</small></dd></div>"
 
@@ -622,7 +624,9 @@ def _steps(scene: Scene | None) -> str:
         _card(f"Step {k + 1}", step.text, [], f"step-{k}", _has_picture(step))
         for k, step in enumerate(scene.steps)
     ]
-    all_steps = f"<details open><summary>All steps</summary>{_KEYS}{_cards(cards)}</details>"
+    all_steps = (
+        f"<details open><summary>All steps</summary>{_keys(scene.steps)}{_cards(cards)}</details>"
+    )
     return _BENCH + all_steps
 
 
@@ -638,11 +642,26 @@ def _has_picture(step: Step) -> bool:
     )
 
 
-# What the colours of the small pictures mean.
-_KEYS = (
-    '<p class="glues"><span class="new">comes in this step</span><span class="glue">glue here</span>'
-    '<span class="free">no glue: it moves</span><span class="screw">screw</span></p>'
-)
+def _keys(steps: Sequence[Step]) -> str:
+    """What the colours of the small pictures mean, as far as there are any."""
+    hows = {mate.how for step in steps for mate in step.mates}
+    hows |= {mate.how for step in steps for _, _, mates in step.laid for mate in mates}
+    shown = {
+        "new": True,
+        "glue": "glue" in hows,
+        "free": "free" in hows,
+        "screw": any(step.screws for step in steps),
+    }
+    words = (f'<span class="{key}">{_KEYS[key]}</span>' for key, there in shown.items() if there)
+    return f'<p class="glues">{"".join(words)}</p>'
+
+
+_KEYS = {
+    "new": "comes in this step",
+    "glue": "glue here",
+    "free": "no glue: it moves",
+    "screw": "screw",
+}
 # Steps one after the other, as the script shows them; without it the cards below remain.
 _BENCH = (
     '<div class="bench" hidden><div class="view"><canvas id="bench" tabindex="0" role="img" aria-label="The step in three '

@@ -72,14 +72,15 @@ class Headline:
     finding: Finding | None = None  # that judges it
     along: Sequence[float] = ()  # directions of its strokes, deg from the x axis
 
+    @property
+    def is_error(self) -> bool:
+        """Whether it tells how far off something is: measured, however small."""
+        return self.finding is not None and self.finding.code in _ERRORS
+
     def said(self, shown: Callable[[float], str]) -> str:
         """Its value in words; an error that is only rounding is measured, and no bare 0; shown: a number as text."""
-        error = self.finding is not None and self.finding.code in _ERRORS
-        return (
-            f"below {shown(words.NOISE)}"
-            if error and self.value < words.NOISE
-            else shown(self.value)
-        )
+        rounding = self.is_error and self.value < words.NOISE
+        return f"below {shown(words.NOISE)}" if rounding else shown(self.value)
 
     def beside(self, shown: Callable[[float], str]) -> str:
         """Its limit or its direction in words; shown: a number as text."""

@@ -464,6 +464,21 @@ def test_squares_and_cubes_are_raised_in_units_and_messages() -> None:
     assert "^" not in text and "18.0 mm³" in text and "80 g/m²" in text
 
 
+def test_keys_of_the_pictures_name_what_is_in_them(page: str) -> None:
+    """One step glues; nothing is screwed, and nothing turns on a pin."""
+    (keys,) = re.findall(r'<p class="glues">(.*?)</p>', page)
+    assert re.findall(r'class="(\w+)"', keys) == ["new", "glue"]
+
+
+@pytest.mark.parametrize(
+    "error, said", [(4.765e-7, "4.77·10⁻⁷<"), (0.0, "below 1·10⁻⁹<"), (0.00106, "0.00106<")]
+)
+def test_a_small_error_in_the_headlines_is_no_bare_0(error: float, said: str) -> None:
+    follows = at_most("MOTION_ERROR", error, 0.005, "mm", Where(file="a.dxf", kind="dxf"), "")
+    key = to_html(replace(made_up(), findings=[follows])).partition('class="key"')[2]
+    assert f"<dd>{said}" in key.partition("</dl>")[0].replace(" <small>mm", "<")
+
+
 def test_no_curve_is_shown_twice() -> None:
     x = np.linspace(0, 360, 1441)
     lift = Plot("Lift", "cam angle, deg", "mm", [("wanted", x, np.sin(np.radians(x)))])
