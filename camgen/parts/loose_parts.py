@@ -49,8 +49,12 @@ class Stop:
         tools = gauge_tools(self.gap) if gauge else ()
         where = f"glued on {shaft}, {near} {self.name}"
         waits = f"when the glue of {self.over} is hard, " if self.over and not self.metal else ""
+        under = "" if self.metal else f". The glue goes on {shaft} under it, none over it"
         push = Doing(
-            f"{waits}push {WHAT} up: glue it ", f"on {shaft}", f", {near} {self.name}{gauge}", tools
+            f"{waits}push {WHAT} up: glue it ",
+            f"on {shaft}",
+            f", {near} {self.name}{gauge}{under}",
+            tools,
         )
         if not (gauge and self.hidden and self.over):
             return Place(where, (push,))
@@ -278,6 +282,10 @@ def _loose(
         on = f", on {high}" if props or (link and room > SAME_POINT) else ""
         rest = f"; it stays loose until {steps}"
         tools = gauge_tools(room) if on and not props else ()
+        if on:  # it has a narrow foot
+            stays = "" if props else f". Leave {thickness_gauge(room)} there"
+            rest += f"{stays}. Adhesive putty beside its foot holds it upright"
+            tools += ("adhesive putty",)
         doing = Doing("stand ", f"{WHAT} upright{below}{down}{on}", rest, tools, props)
     return Place(f"loose until {until}", (doing,))
 

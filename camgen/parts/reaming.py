@@ -97,10 +97,15 @@ def with_gluing(
     said += [_SLOW] if TWO_PART in needs else []
     moves = bool(opened_holes(copies, fixing))
     said += [_SWING] if moves else []
+    capped = moves and not metal and any(copy.part.role == "cap" for copy in copies)
+    said += [_WIPED] if capped else []
     gauges = [words for name, words in sorted(_GAUGES.items()) if name in needs]
     said += [_PULLED.format(" and ".join(gauges))] if gauges and not metal else []
+    slit = "plastic bag" in needs and not metal
+    said += [_SLIT] if slit else []
     said += [_PROPPED] if any(doing.props for step in table.steps for doing in step.doings) else []
-    doing = Doing("\n".join(said), needs=("oil",) * moves)
+    own = ("oil",) * moves + ("alcohol",) * capped + ("scissors",) * slit
+    doing = Doing("\n".join(said), needs=own)
     return begun(table, doing, "How parts are glued", "", "")
 
 
@@ -196,6 +201,8 @@ _SLOW = f"Where a step names {TWO_PART}, use that alone, and let it get hard bef
 _OUT_OF_JOINTS = "Where a pin goes through a part that turns on it, put the glue into the tight hole, none on the pin, and wipe off what comes out below"
 _GAUGES = {"plastic bag": "strips", "sheets of paper": "paper"}  # of tools that set gaps
 _PULLED = "Pull {} out of gaps as soon as the part is on, before the glue is hard, unless the step says to leave them there"
+_SLIT = "Slit each strip to its middle: so it goes round a pin, and comes out again"
+_WIPED = "Wipe the oil off a pin's end with alcohol before a cap is glued on it"
 _PROPPED = "A block under one part alone goes as soon as the glue is hard or another part holds it"
 
 

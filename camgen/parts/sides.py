@@ -40,7 +40,9 @@ from camgen.parts.generator.sizes import SIDE_SPACER, Parts
 from camgen.parts.part import Layer, Part, SizeNote
 from camgen.parts.standing import standing_copies
 from camgen.parts.step_words import TWO_PART
+from camgen.parts.steps import distances
 from camgen.study import Doing, Later, Mate, Step, Table
+from camgen.tolerances import SAME_POINT
 
 PREFIX = "far"  # of the names of the far side
 _GAUGE = 30.0  # mm, length of a gauge: through a plate and a web, and long enough to be held
@@ -326,6 +328,20 @@ def _centred(step: Step, hole: tuple[str, str], far: Assembly, sizes: Parts) -> 
     return replace(step, doings=[*step.doings, *doings], gauges=gauges)
 
 
+def _stopped(step: Step, far: Assembly) -> Step:
+    """A step that glues a link on the shaft of a side, with where that stands in the pictures: nothing but links will hold it."""
+    if not step.group or step.copies:
+        return step
+    copies = standing_copies(far.parts, far.mounts, far.poses(np.zeros(1)))
+    axes = [copy.outlines[0].at for copy in copies if copy.part.role == "shaft"]
+    glued = [complex(*mate.place[:2]) for mate in step.mates if mate.how == "glue"]
+    if not any(abs(at - axis) < SAME_POINT for at in glued for axis in axes):
+        return step
+    driven = [hole for copy in copies if copy.part.name == step.group for hole in copy.holes]
+    stands = f"turn {step.group} until it stands as the pictures show{distances(driven, copies)}"
+    return step.also(f"{stands}. Whenever links have been moved, turn it back there")
+
+
 def _fed(row: Row, far: Assembly, mirror: Mirror) -> Row:
     """A row of what is bought; of batteries, with what they take of their frame, which is up before the far side goes on."""
     cells, step = row
@@ -432,9 +448,12 @@ def _order(near: Assembly, far: Assembly, mirror: Mirror, hole: tuple[str, str])
         for each in far.bought
         if any(part.endswith(SIDE_SPACER) for part, _ in each.at)
     ]
-    rows = [(tuple(row), step) for row, step in zip(first.rows, first.steps, strict=True)]
+    rows = [
+        (tuple(row), step.also("set it back on its blocks") if row[1] == SIDE_SPACER else step)
+        for row, step in zip(first.rows, first.steps, strict=True)
+    ]
     for row, step in zip(second.rows, second.steps, strict=True):
-        held = _centred(_greased(step), hole, far, mirror.sizes)
+        held = _stopped(_centred(_greased(step), hole, far, mirror.sizes), far)
         glued = [*map(mirror.mate, held.glued)]
         there = replace(held, apart=f"{PREFIX} side", up=(0.0, 0.0, -1.0), glued=glued)
         rows.append((tuple(row), there))

@@ -127,7 +127,8 @@ def _meeting(
         set_by = between(gap, fixing.metal) if " mm over " in high else ""
         lying = [on for each in copy.holes if (on := _lies_on(each, below))]
         if set_by and lying:
-            high, set_by = f", down on {lying[0]}: {name} must keep some play", ""
+            play = f"{name} must keep some play, or is sanded shorter first"
+            high, set_by = f", down on {lying[0]}: {play}", ""
         elif told and "glued" in joint and shaft.part.process == "bought" and not fixing.metal:
             high = _past_the_end(copy, shaft, gap, below, fixing) or high
         flat = turned(outline.flat, fixing.metal) if joint and hole.flat else ""
@@ -204,6 +205,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         )
         glued = [each.letter for each in tight if each.letter and "glued" in each.joint]
         if len(glued) > 2:
+            yield Doing("try ", WHAT, " on dry first: all ends go in, and all under it moves")
             slow = ": superglue would set before all ends are in"
             yield Doing(f"put {TWO_PART} into ", listed(glued), slow, (TWO_PART,))
         yield Doing("lower ", f"{WHAT} over all ends at once", f", each in its hole: {said}")
@@ -241,7 +243,10 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         stay = "stays" if them == "it" else "stay"
         rest = f" {stay} until the glue is hard; then push {them} out to the side"
         rod = f": {listed(held)}{rest}" if held else ""
-        yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}", props=props)
+        if len({pin for _, pin in under}) == len({each.hangs for each in fixed if each.hangs}):
+            yield Doing("keep ", hanging, f" where they stand{rod}", props=props)
+        else:
+            yield Doing("hold ", hanging, f" from below by the head meanwhile{rod}", props=props)
 
 
 def _of_shaft(meeting: _Meeting) -> str:

@@ -336,14 +336,14 @@ def _on_motor(
     tools += (TWO_PART,) if TWO_PART in flat else ()
     push = Doing("push ", f"{named} {shaft}{f',{on}' if on else ''}{flat}{high}", "", tools)
     if flat:  # else it is turned on the shaft
-        at = _distances(driven, there)
+        at = distances(driven, there)
         dry = f"{named} {shaft}, dry, and run the motor until it stands as the picture shows{at}. Take it off again"
         again = "whenever the motor has moved the links, stop it there again"
         return [Place(f"pushed {where}", (Doing("put ", dry), push, *doings, Doing(again)))]
     return [Place(f"pushed {where}", (push, *doings))]
 
 
-def _distances(driven: Sequence[Round], there: Sequence[StandingCopy]) -> str:
+def distances(driven: Sequence[Round], there: Sequence[StandingCopy]) -> str:
     """Where what a motor turns stands, by what a caliper measures from a hole of it to two of the plate, in words; "" where none are
     named. driven: its holes, one of them on the motor's axis."""
     fixed = [

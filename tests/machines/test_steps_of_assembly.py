@@ -248,7 +248,8 @@ def test_walls_of_a_groove_lie_on_their_back_plate_and_gaps_are_set_by_paper() -
     assert outer.endswith("all at once, down on cam-contact-back.")
     sheets = " (two sheets of paper between, then pull them out)."
     assert any(f"0.2 mm over ground{sheets}" in title for title in titles)
-    assert any(title.endswith(f"0.2 mm under ground{sheets}") for title in titles)
+    below = " The glue goes on shaft under it, none over it."
+    assert any(title.endswith(f"0.2 mm under ground{sheets}{below}") for title in titles)
 
 
 def test_a_cap_on_a_short_pin_has_its_height_where_it_would_lock_the_joint() -> None:
@@ -873,6 +874,12 @@ def test_a_walker_says_how_its_sides_are_joined_and_on_what_they_lie() -> None:
     assert "a block under far-shaft" in far, "as soon as it stands there"
     over = "Set the ground plate (far-ground) with O on far-shaft."
     assert far.endswith(over) and far.index("two blocks") < far.index("a block under far-shaft")
+    (free,) = (title for title in titles if "O of crank on far-shaft" in title)
+    throw = -21.44 * 1j  # M, a quarter of a turn ahead of the near side
+    near, far_off = (abs(throw - at) for at in (-47.2 - 14.08j, 18.64 + 49.28j))  # B and B2, A2
+    assert near < far_off and abs(throw - (47.2 - 14.08j)) == pytest.approx(near)
+    stands = f"M {near:.1f} mm from the middle of B and {near:.1f} mm from that of B2"
+    assert f"Turn crank until it stands as the pictures show, {stands}." in free
     parts = walker.assembly.by_name
     pressed = max(parts[name].thickness for name in ("pin-1", "pin-2", "pin-3"))
     out = pressed - parts["far-ground"].thickness
@@ -1006,7 +1013,7 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
         for title in titles
         if "Lower the second plate over all ends" in title and "Far" not in title
     )
-    assert "Hold pin-2 and pin-4 from below by the head meanwhile: a rod or block in the gap" in lid
+    assert "Keep pin-2 and pin-4 where they stand: a rod or block in the gap" in lid
     parts = walker.assembly.by_name
     low = {each.part: each.z for each in reversed(walker.assembly.mounts)}  # of the near side
     top = low["second-plate"] + parts["second-plate"].thickness
@@ -1034,10 +1041,15 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     dry = next(k for k, title in enumerate(titles) if "Lay second-plate on the pins, dry" in title)
     assert "pin-2 upright" in titles[dry + 1], "on which the plate would tip"
     assert lid.startswith(
-        "Put two-part glue into A, B, A2 and B2: superglue would set before all ends"
+        "Try the second plate on dry first: all ends go in, and all under it moves. Put two-part glue "
+        "into A, B, A2 and B2: superglue would set before all ends"
     )
+    stood = [title for title in titles if "tand pin-2 upright" in title]
+    putty = "Adhesive putty beside its foot holds it upright"
+    assert [each.count(putty) for each in stood] == [1, 1]
+    assert "Leave two sheets of paper there" in stood[0] and "sheets" not in stood[1]
     assert "It lies on 4 posts, over all other parts." in lid and "Lay it on" not in lid
-    assert "down on post: spacer-3 must keep some play" in lid
+    assert "down on post: spacer-3 must keep some play, or is sanded shorter first" in lid
     assert "B on pin-2, with a strip of a plastic bag between cap-1 and low3" in lid, "by no end"
     web = next(title for title in titles if title.startswith("Glue M of crank_web2"))
     assert "on crank-pin-1, flat on flat" in web
@@ -1278,7 +1290,8 @@ def test_holes_in_which_something_turns_are_opened_first() -> None:
     assert any("the link must swing by its own weight" in rule for rule in rules)
     assert any(rule.startswith("Where a step names two-part glue, use that") for rule in rules)
     assert all(rule.endswith(".") for rule in rules)
-    assert "unless the step says to leave them there" in rules[-2], (
+    assert rules[-2].startswith("Slit each strip to its middle"), "it goes round a pin"
+    assert "unless the step says to leave them there" in rules[-3], (
         "strips under a pin from above stay"
     )
     assert rules[-1].startswith("A block under one part alone goes as soon as the glue is hard")

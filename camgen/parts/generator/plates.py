@@ -363,7 +363,9 @@ def second(layout: Layout) -> Iterator[tuple[Part, Mount]]:
     bore = _through(s) if joined else core
     post = spacer("post", "Post", bore, 2 * post_radius(s), ceiling - floor, least)
     held = (
-        GluedNote("glue each on the plate, over the hole of its screw")
+        GluedNote(
+            "glue each on the plate, over the hole of its screw, which centres it until the glue is hard"
+        )
         if joined
         else HoldingNote("screw each on from below, through the plate")
     )
