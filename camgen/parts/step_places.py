@@ -12,6 +12,7 @@ from camgen.machine.model import GROUND
 from camgen.parts.catalogue import BUSH
 from camgen.parts.fixing import Fixing, Joint
 from camgen.parts.mates import mates_between
+from camgen.parts.part import GREASED
 from camgen.parts.standing import AROUND, Round, StandingCopy, covers, seat_of
 from camgen.parts.step_words import (
     FEELER,
@@ -365,7 +366,7 @@ def height_by(
     """
     gap, name = gap_under(hole, below)
     if metal and name and gap > SAME_POINT:
-        return f"{gap:.3g} mm over {name}"
+        return f"{gap + _fallen(hole, name, below):.3g} mm over {name}"
     if abs(hole.low - min(each.low for each in shaft.outlines)) < SAME_POINT:
         low, high = seats_at_ends(shaft)
         told = metal and hole.flat == "key" and abs(high - low) > SAME_POINT and high and low
@@ -376,6 +377,19 @@ def height_by(
     if not name:
         return ""
     return f"{gap:.3g} mm over {name}" if gap > SAME_POINT else f"down on {name}"
+
+
+def _fallen(hole: Round, name: str, below: Sequence[StandingCopy]) -> float:
+    """By how much a part under a hole that nothing fixes lies lower at the bench than it is drawn, mm: what it can move either way."""
+    loose = (
+        other
+        for other in below
+        if other.part.name == name
+        and (other.part.role == "spacer" or GREASED in other.part.notes)
+        and any(hole.in_line(each) for each in other.holes)
+    )
+    room = next((room_under(other, below)[0] for other in loose), 0.0)
+    return room if room < RESTS else 0.0
 
 
 def seats_at_ends(shaft: StandingCopy) -> tuple[float, float]:

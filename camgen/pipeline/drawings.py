@@ -74,7 +74,7 @@ _MEDIUM = "ISO 2768-m"  # general tolerance of what is printed or cut of a sheet
 _SEAT = "JS7"
 # Of holes that turn on pins and shafts, from close to loose: preferred classes of ISO 286, but C11, and E9 for a pin m6.
 _RUNNING = ("F8", "E9", "D10", "C11")
-_CAP = "F7"  # of a cap that goes on a pin m6 by hand and is glued there
+_CAP = "E8"  # never tighter than m6: of a cap that goes on a pin m6 by hand and is glued there
 # Fits of keyways for keys h9 by their width: of DIN 6885 the light and the tight one [berger-tools.co.uk, page 2078].
 _KEY = "JS9"
 _TIGHT_KEY = "P9"

@@ -173,6 +173,25 @@ def test_a_gap_is_set_by_what_is_at_hand() -> None:
     assert {thickness_gauge(gap) for gap in (0.0, 0.02, 0.12, 0.7, 0.99)} == {"a feeler gauge"}
 
 
+@pytest.mark.parametrize(
+    ("name", "play", "loose"),
+    [
+        ("geneva-table", 0.1, ("spacer-1", "spacer-2", "roller-crank_to_table", "knob")),
+        ("linkage", 0.2, ("knob",)),
+    ],
+)
+def test_what_is_glued_over_a_loose_part_stands_as_drawn(
+    name: str, play: float, loose: tuple[str, ...]
+) -> None:
+    """Drawn with a play under it and over it, a loose part lies down at the bench: the gauge over it is as thick as both."""
+    machine = read_mechanism(tomllib.loads(in_metal(name)))
+    steps = " ".join(step.title for step in steps_of_assembly(machine).steps)
+    for part in loose:
+        assert f"{2 * play:g} mm over {part} (a feeler gauge" in steps
+    if name == "geneva-table":
+        assert f"{play:g} mm over ground (a feeler gauge" in steps
+
+
 @pytest.mark.parametrize("name", ["geneva-table", "linkage"])
 def test_how_long_compound_cures_is_said_once(name: str) -> None:
     machine = read_mechanism(tomllib.loads(in_metal(name)))
