@@ -526,6 +526,11 @@ class Checked(Record):
         """The tables in the words of today."""
         return wording(data, cls.old_words)
 
+    @classmethod
+    def filled(cls, data: Any) -> Any:
+        """The tables with what one of them decides in another, where that leaves it open."""
+        return data
+
     @property
     def hints(self) -> tuple[str, ...]:
         """What to tell of keys that were read in another spelling."""
@@ -753,11 +758,13 @@ def _checked(
     cls: type[S], data: Data, hints: tuple[str, ...], like: tuple[Data, Spec] | None = None
 ) -> S:
     """The tables in the words of today as a record; see `validate`."""
-    old, made = (
-        like if like is not None and type(like[1]) is cls and "laser" not in data else ({}, None)
-    )  # it fills tables
+    old, made = like if like is not None and type(like[1]) is cls else ({}, None)
+    filled = cls.filled(data)
+    before = cls.filled(old)
+    if before is not old:  # what another table has filled is not taken over
+        old = {key: value for key, value in old.items() if before[key] is value}
     try:
-        record = cls.model_validate(_tuples(data, old, made))
+        record = cls.model_validate(_tuples(filled, old, made))
     except ValidationError as error:
         if made is not None:
             return _checked(cls, data, hints)
@@ -801,7 +808,7 @@ def _further(cls: type[Checked], data: Data, faults: Sequence[Fault]) -> list[Fa
             guessed = True
             holder[fault.path[-1]] = _any_right(fault.path, data, _json_schema(cls))
     try:
-        found = cls.model_validate(_tuples(tables)).faults()
+        found = cls.model_validate(_tuples(cls.filled(tables))).faults()
     except (CamgenError, ValidationError):
         return []
     told = {fault.path[:k] for fault in faults for k in range(1, len(fault.path) + 1)}

@@ -629,6 +629,16 @@ def test_new_short_writes_few_lines(run: Run, tmp_path: Path) -> None:
     assert code == 2 and "--short" in err
 
 
+def test_new_says_how_to_get_a_shorter_one(run: Run, tmp_path: Path) -> None:
+    for name, *options in (["long", "disc-cam"], ["short", "disc-cam", "--short"]):
+        file = tmp_path / f"{name}.toml"
+        _, _, err = run("new", *options, file)
+        lines = len(file.read_text("utf-8").splitlines())
+        assert ("--short" in err and f"in place of {lines})" in err) is (lines > 100)
+    _, _, err = run("new", "flapping-bird", tmp_path / "bird.toml")
+    assert "--short" not in err
+
+
 def test_new_metal_writes_a_starter_of_steel(run: Run) -> None:
     code, out, _ = run("new", "--metal", "--short", "disc-cam")
     assert code == 0 and 'name = "C45"' in out and 'cam_follower = "KR16"' in out

@@ -10,6 +10,8 @@ from camgen.commands.options import completed, mechanisms, specs_known
 from camgen.commands.running import hand_over, known, spec_name
 from camgen.errors import Fault, SpecError, printable
 
+_LONG = 100  # lines of a starter with all its comments
+
 
 @click.command()
 @click.argument("mechanism", required=False, shell_complete=completed(specs_known))
@@ -35,6 +37,8 @@ def new(
     mechanism: str | None, file: Path | None, short: bool, metal: bool, source: Path | None
 ) -> None:
     """Write a starter spec of a MECHANISM, or an example, to FILE, or print it. It has comments and builds as it is.
+
+    Most of a long one are comments and keys that have their defaults: --short leaves these away.
 
     Its name, that of the output folder, is FILE's: my-cam.toml gives out/my-cam.
 
@@ -92,7 +96,12 @@ def new(
             ),
             err=True,
         )
-    click.echo(printable(f"next: change it, then camgen build {file}"), err=True)
+    lines = text.count("\n")
+    shorter = ""
+    if not short and source is None and lines > _LONG:
+        few = starters.short(text).count("\n")
+        shorter = f" (with --short it has {few} lines in place of {lines})"
+    click.echo(printable(f"next: change it{shorter}, then camgen build {file}"), err=True)
 
 
 def _asked() -> tuple[str, Path]:

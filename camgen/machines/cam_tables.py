@@ -92,10 +92,10 @@ class CamTables(Template):
         """Whether the whole machine is made."""
         return self.sizes.make != "cams"
 
-    @model_validator(mode="before")
     @classmethod
-    def _of_sheet(cls, data: Any) -> Any:
-        return sheets.filled(data)
+    def filled(cls, data: Any) -> Any:
+        """The tables with what one of them decides in another."""
+        return super().filled(sheets.filled(data))
 
     def size_faults(self, *links: str) -> list[Fault]:
         """What is wrong with [parts], of a machine with these links."""

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from camgen.arguments import checked
 from camgen.errors import DesignError, Fault, SpecError
@@ -76,9 +76,9 @@ class Mechanism(Spec, ABC):
 
     load: Weight | None = Field(default=None, description="loads on the machine")
 
-    @model_validator(mode="before")
     @classmethod
-    def _of_walls(cls, data: Any) -> Any:
+    def filled(cls, data: Any) -> Any:
+        """The tables with what one of them decides in another."""
         return with_walls(data, cls.hardened)
 
     def __repr__(self) -> str:

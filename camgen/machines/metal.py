@@ -35,15 +35,15 @@ def with_walls(data: Any, hardened: bool) -> Any:
     hardened: whether it is a cam or drum, of which a case is hardened where followers run; alone it has at least four of its
     depths, in a whole machine walls as its links.
     """
-    if not isinstance(data, Mapping):
+    if not isinstance(data, dict):
         return data
-    material, limits, parts = (data.get(key, {}) for key in ("material", "limits", "parts"))
-    if not (isinstance(material, Mapping) and isinstance(limits, Mapping)):
+    material = data.get("material")
+    name = material.get("name") if isinstance(material, dict) else None
+    limits = data.get("limits", {})
+    if name is None or not isinstance(limits, dict) or not _is_metal(name):
         return data
-    name = material.get("name")
-    if not _is_metal(name):
-        return data
-    alone = isinstance(parts, Mapping) and parts.get("make") in (None, "cams", "drum")
+    parts = data.get("parts", {})
+    alone = isinstance(parts, dict) and parts.get("make") in (None, "cams", "drum")
     least = _least_wall(name) if hardened and alone else _WALL
     return {**data, "limits": {"min_wall": least, **limits}}
 
@@ -56,17 +56,17 @@ def _least_wall(metal: str) -> float:
 def of_drum(data: Any) -> Any:
     """A spec's tables of a drum with the width of a milled groove and walls as thick as the least and as half of the track's depth, where
     they leave them open and name a metal."""
-    if not isinstance(data, Mapping):
+    if not isinstance(data, dict):
         return data
     material, fits = (data.get(key, {}) for key in ("material", "print"))
-    if not (isinstance(material, Mapping) and isinstance(fits, Mapping)):
+    if not (isinstance(material, dict) and isinstance(fits, dict)):
         return data
     name = material.get("name")
     if not _is_metal(name):
         return data
     made = {**_clear_of_head(data), "print": {"slide_clearance": _GROOVE, **fits}}
     parts = data.get("parts", {})
-    if not isinstance(parts, Mapping):
+    if not isinstance(parts, dict):
         return made
     wall = max(_END, _least_wall(name), _RIM_OF_DEPTH * _depth(made.get("geometry", {})))
     return {**made, "parts": {"wall": float(math.ceil(wall)), **parts}}
@@ -76,12 +76,12 @@ def _clear_of_head(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """The tables with room for the head of the bought roller that the load names, where neither that nor the drum's radius is given; an end
     cam has no floor."""
     geometry, load = data.get("geometry"), data.get("load")
-    if not (isinstance(geometry, Mapping) and isinstance(load, Mapping)):
+    if not (isinstance(geometry, dict) and isinstance(load, dict)):
         return data
     roller = geometry.get("roller")
     named = CAM_FOLLOWERS.get(str(load.get("cam_follower")))
     floored = geometry.get("track") != "end" and geometry.get("radius") is None
-    if named is None or not isinstance(roller, Mapping) or not floored:
+    if named is None or not isinstance(roller, dict) or not floored:
         return data
     clear = {"end_clearance": round(named.beyond + HEAD_CLEARANCE, 3), **roller}
     return {**data, "geometry": {**geometry, "roller": clear}}
@@ -89,8 +89,8 @@ def _clear_of_head(data: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _depth(geometry: Any) -> float:
     """Depth of a drum's track as far as its tables say it, mm."""
-    table = geometry.get("roller", {}) if isinstance(geometry, Mapping) else {}
-    if not isinstance(table, Mapping):
+    table = geometry.get("roller", {}) if isinstance(geometry, dict) else {}
+    if not isinstance(table, dict):
         return 0.0
     fields = DrumRollerTable.model_fields
     length, gap = (table.get(key, fields[key].default) for key in ("length", "end_clearance"))
@@ -107,11 +107,11 @@ def filled(data: Any) -> Any:
     thickness, dowels as thick at least, as far as the base circle has room for them, and a rim of 2.5 dowels, or with such walls
     beside them.
     """
-    if not isinstance(data, Mapping):
+    if not isinstance(data, dict):
         return data
     parts = data.get("parts", {})
     tables = [data.get(key, {}) for key in ("geometry", "load", "material", "print", "limits")]
-    if not all(isinstance(table, Mapping) for table in (parts, *tables)):
+    if not all(isinstance(table, dict) for table in (parts, *tables)):
         return data
     geometry, load, material, fits, limits = tables
     if parts.get("make", "cams") != "cams" or not _is_metal(material.get("name")):
@@ -268,7 +268,7 @@ def bore_notes(bore: ShaftBore, material: str) -> list[str]:
 def _ring(geometry: Mapping[str, Any], load: Mapping[str, Any]) -> float:
     """Width of the ring of the bought roller that the load names, or else of one of this size, mm; 0 where there is none."""
     follower = geometry.get("follower")
-    radius = follower.get("radius") if isinstance(follower, Mapping) else None
+    radius = follower.get("radius") if isinstance(follower, dict) else None
     named = CAM_FOLLOWERS.get(str(load.get("cam_follower")))
     of_size = [row for row in CAM_FOLLOWERS.values() if radius and row.outside == 2 * radius]
     return float(max((row.width for row in ([named] if named else of_size)), default=0.0))

@@ -76,7 +76,7 @@ _HELPING = {
     "VELOCITY_RATIO": ("geometry.velocity_ratio",),
 }
 _BODIES = 9  # most of a machine whose forces are found anew for each key: of a walker that would take minutes
-_FELT = 1e-4  # least change of a margin that counts, as a share of limit and measured value
+_FELT = 1e-4  # least change that counts: of a measured value as a share of it, of a margin or limit as one of the greater of both
 _MOST = 6  # keys that are told, beside those that help
 _LONGEST = 12  # numbers of a list that are changed; longer lists are tables of points
 _SECANTS = 8
@@ -146,7 +146,7 @@ def influence(
         progress(f"{code}: tried {' and '.join(keys)}", min(1.0, k / count))
         if trial.only_worsens(keys, value, tried, found):
             continue
-        if trial.felt(found.measured - trial.finding.measured):
+        if trial.moved(found.measured):
             change = abs(_margin(found) - trial.margin)
             effects.append((change, keys, value, tried, found))
         elif math.isclose(found.limit, tried) and trial.felt(found.limit - trial.finding.limit):
@@ -316,8 +316,14 @@ class _Trial:
         return _margin(self.finding)
 
     def felt(self, change: float) -> bool:
-        """Whether a change is more than rounding."""
+        """Whether a change of the margin or the limit is more than rounding."""
         size = max(abs(self.finding.measured), abs(self.finding.limit))
+        return abs(change) > _FELT * size if size else change != 0
+
+    def moved(self, measured: float) -> bool:
+        """Whether another measured value differs by more than rounding, which may be most of one that is far below its limit."""
+        size = max(abs(self.finding.measured), _FELT * abs(self.finding.limit))
+        change = measured - self.finding.measured
         return abs(change) > _FELT * size if size else change != 0
 
     def changes(self) -> Iterator[tuple[Sequence[str], float, float, Finding]]:

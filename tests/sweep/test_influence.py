@@ -17,6 +17,9 @@ import camgen
 from camgen import starters
 from camgen.errors import SpecError, dotted
 from camgen.machines import MECHANISMS
+from camgen.machines.loads.assess import assess
+from camgen.machines.mechanism import Mechanism
+from camgen.machines.sources import Template, read_mechanism
 from camgen.sweep import influence as sweep_influence
 from camgen.sweep.influence import influence, influence_text
 
@@ -358,6 +361,43 @@ def test_what_a_cam_bears_at_its_speed_is_explained_too() -> None:
     lift = effects["segment.0.lift"]
     assert lift.last == pytest.approx(lift.value * share, rel=5e-3)
     assert not any(key.startswith("geometry.") for key in effects)
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("gallery/flapping-bird", ["material.infill=0.98"]),  # whose stand says where down is
+        ("disc-cam", ["parts.bore=20"]),  # of steel, with a hub and a keyway for its bore
+        ("cylinder-cam", ["geometry.radius=40"]),
+        ("linkage", ["laser.thickness=4"]),
+    ],
+)
+def test_a_variant_is_the_spec_read_anew(name: str, settings: list[str]) -> None:
+    """What one table decides in another is decided again, where only one of both has changed."""
+    base = {
+        "disc-cam": ["material.name=16MnCr5", "parts.hub_diameter=", "parts.hub_height="],
+        "cylinder-cam": ["material.name=16MnCr5"],
+        "linkage": ["laser.thickness=3", "parts.make=laser"],
+    }.get(name, [])
+    spec = SPECS / f"{name}.toml"
+    before = read_mechanism(spec, base)
+    (variant,) = Template(before.source_tables, "spec", Path()).variants([settings])
+    assert isinstance(variant, Mechanism)
+    assert variant.toml() == read_mechanism(spec, [*base, *settings]).toml()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["gallery/flapping-bird", "walking-leg"])
+def test_what_a_key_does_to_the_torque_is_what_a_build_with_it_says(name: str) -> None:
+    """The torque is far below the limit, that of a hand, and so is each change of it."""
+    spec = SPECS / f"{name}.toml"
+    found = influence(spec, "DRIVE_TORQUE")
+    assert len(found.effects) >= 6
+    for each in found.effects:
+        settings = [f"{key}={each.tried!r}" for key in each.keys]
+        report = assess(read_mechanism(spec, settings))
+        (built,) = (row for row in report.findings if row.code == "DRIVE_TORQUE")
+        assert each.measured == pytest.approx(built.measured, rel=1e-6)
 
 
 def test_what_a_roller_presses_with_is_explained_by_its_radius_and_the_width() -> None:

@@ -20,7 +20,7 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged, Where, at_least, at_most
@@ -125,10 +125,10 @@ class CylinderCam(Mechanism):
 
     # ---- what is wrong with it --------------------------------------------------------------------------------------
 
-    @model_validator(mode="before")
     @classmethod
-    def _of_metal(cls, data: Any) -> Any:
-        return of_drum(data)
+    def filled(cls, data: Any) -> Any:
+        """The tables with what one of them decides in another."""
+        return super().filled(of_drum(data))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

@@ -19,7 +19,7 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from camgen.errors import DesignError, Fault, SpecError
 from camgen.findings import Finding, NotJudged
@@ -108,10 +108,10 @@ class DiscCamDrive(CamTables):
     making: Annotated[DiscCamParts, Field(alias="parts")] = DiscCamParts.model_construct()
     allowed: Annotated[DiscCamLimits, Field(alias="limits")] = DiscCamLimits.model_construct()
 
-    @model_validator(mode="before")
     @classmethod
-    def _of_metal(cls, data: Any) -> Any:
-        return filled(data)
+    def filled(cls, data: Any) -> Any:
+        """The tables with what one of them decides in another."""
+        return super().filled(filled(data))
 
     def faults(self) -> Sequence[Fault]:
         """What is wrong between keys that are right one by one."""

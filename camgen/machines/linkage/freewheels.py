@@ -15,14 +15,17 @@ from camgen.spec import unknown
 
 def filled(data: Any) -> Any:
     """The tables of a spec whose plate and wheels are as thick as the clutches in them, unless they say otherwise."""
-    if not isinstance(data, Mapping) or not isinstance(rows := data.get("freewheel"), list | tuple):
+    if not isinstance(data, dict) or "freewheel" not in data:
+        return data
+    rows = data["freewheel"]
+    if not isinstance(rows, list | tuple):
         return data
     parts = data.get("parts", {})
-    if not isinstance(parts, Mapping):
+    if not isinstance(parts, dict):
         return data
     usual = Parts.model_fields["shaft_diameter"].default
     clutch = CLUTCHES.get(parts.get("shaft_diameter", usual))
-    wheels = [row.get("wheel") for row in rows if isinstance(row, Mapping)]
+    wheels = [row.get("wheel") for row in rows if isinstance(row, dict)]
     if clutch is None:
         return data
     own = {wheel: {"thickness": clutch[0].width} for wheel in wheels if isinstance(wheel, str)}

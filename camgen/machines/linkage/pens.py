@@ -9,7 +9,7 @@ stretched  an arm and its rod in line: the point is at the edge of what they rea
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -48,16 +48,18 @@ _FOLDED = 0.05  # sine of the transmission angle below which a place is shown as
 
 def filled(data: Any) -> Any:
     """The tables of a spec in which an output of the pen's point is judged by its line."""
-    pen = data.get("pen") if isinstance(data, Mapping) else None
-    rows = data.get("output") if isinstance(data, Mapping) else None
-    if not isinstance(pen, Mapping) or not isinstance(rows, list | tuple):
+    if not isinstance(data, dict) or "pen" not in data:
+        return data
+    pen = data["pen"]
+    rows = data.get("output")
+    if not isinstance(pen, dict) or not isinstance(rows, list | tuple):
         return data
     try:
-        known = Pen.model_validate(pen)
+        known = Pen.model_validate(pen, strict=False)  # lists as well
     except ValidationError:
         return data
     line = known.closed
-    mine = [row for row in rows if isinstance(row, Mapping) and row.get("point") == known.point]
+    mine = [row for row in rows if isinstance(row, dict) and row.get("point") == known.point]
     if line is None or any("path" in row for row in mine):
         return data
     closed = np.append(line, line[0])

@@ -5,7 +5,6 @@ What stands out of a sheet, or lies in it, cannot be: rails of a slide, seats of
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 from camgen.errors import Fault, Key
@@ -22,11 +21,11 @@ NO_BACK = "the back plate of a groove is as thick as a level and its play, which
 
 def filled(data: Any) -> Any:
     """The tables of a spec with what the sheet decides where [parts] asks for it and leaves it open."""
-    parts = data.get("parts") if isinstance(data, Mapping) else None
-    if not isinstance(parts, Mapping) or parts.get("make") != "laser":
+    parts = data.get("parts") if isinstance(data, dict) else None
+    if not isinstance(parts, dict) or parts.get("make") != "laser":
         return data
     laser = data.get("laser")
-    if isinstance(laser, Mapping):
+    if isinstance(laser, dict):
         thickness = laser.get("thickness", Laser().thickness)
     else:
         thickness = getattr(laser, "thickness", None)

@@ -14,7 +14,7 @@ from fractions import Fraction
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from camgen.machine import model as m
 from camgen.machine.cams.limits import Advice
@@ -183,10 +183,10 @@ class LinkageSpec(Mechanism):
         """The first of them, by whose speed theta grows."""
         return self.drives[0]
 
-    @model_validator(mode="before")
     @classmethod
-    def _of_sheet(cls, data: Any) -> Any:
-        return _upright(freewheels.filled(sheets.filled(pens.filled(data))))
+    def filled(cls, data: Any) -> Any:
+        """The tables with what one of them decides in another."""
+        return super().filled(_upright(freewheels.filled(sheets.filled(pens.filled(data)))))
 
     @classmethod
     def wording(cls, data: Data) -> Wording:

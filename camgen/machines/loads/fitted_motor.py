@@ -23,6 +23,8 @@ def without_hand(words: Wording) -> Wording:
     parts = words.data.get("parts")
     if not (isinstance(motor, dict) and isinstance(parts, dict)):
         return words
+    if "motor" not in parts and "can" not in parts:
+        return words
     frame = str(parts.get("motor", "")).lower()
     fitted = f'parts.motor = "{frame}"' if frame in MOTOR_FACES else ""
     fitted = fitted or ("parts.can" if isinstance(parts.get("can"), dict) else "")
