@@ -206,7 +206,7 @@ def _hole_doings(meetings: Sequence[_Meeting], over_pins: Sequence[str]) -> Iter
         )
         glued = [each.letter for each in tight if each.letter and "glued" in each.joint]
         if len(glued) > 2:
-            yield Doing("try ", WHAT, " on dry first: all ends go in, and all under it moves")
+            yield Doing("try ", WHAT, " on dry first: all ends go in, and it clamps no spacer")
             slow = ": superglue would set before all ends are in"
             yield Doing(f"put {TWO_PART} into ", listed(glued), slow, (TWO_PART,))
         yield Doing("lower ", f"{WHAT} over all ends at once", f", each in its hole: {said}")

@@ -1060,7 +1060,7 @@ def test_a_walker_s_steps_say_what_the_hands_do() -> None:
     dry = next(k for k, title in enumerate(titles) if "Lay second-plate on the pins, dry" in title)
     assert "pin-2 upright" in titles[dry + 1], "on which the plate would tip"
     assert lid.startswith(
-        "Try the second plate on dry first: all ends go in, and all under it moves. Put two-part glue "
+        "Try the second plate on dry first: all ends go in, and it clamps no spacer. Put two-part glue "
         "into A, B, A2 and B2: superglue would set before all ends"
     )
     stood = [title for title in titles if "tand pin-2 upright" in title]
