@@ -63,6 +63,7 @@ def to_html(report: Report) -> str:
     first = summary(report)
     plates = _plates(report)
     needs = left_out(report.not_judged)
+    asked = [each for each in first.not_judged if not each.absent]
     machine = player(report.animation, scene is not None) if report.animation else ""
     machine += _film(report)
     machine += f'<p class="flat">{escape(sentence(report.why_flat))}</p>' if report.why_flat else ""
@@ -78,7 +79,7 @@ def to_html(report: Report) -> str:
         + _palette(len(report.animation.bodies) if report.animation else 0),
         links=_links(report),
         key=_key_figures(first),
-        change=to_change(first.warnings, first.failing, first.not_judged),
+        change=to_change(first.warnings, first.failing, asked),
         machine=machine,
         plots=_section(
             "Curves", _plots(report.plots, _FIRST_OF_PRINTED if plates else _FIRST_PLOTS)

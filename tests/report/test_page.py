@@ -479,6 +479,16 @@ def test_a_small_error_in_the_headlines_is_no_bare_0(error: float, said: str) ->
     assert f"<dd>{said}" in key.partition("</dl>")[0].replace(" <small>mm", "<")
 
 
+def test_what_only_left_out_is_one_line_and_no_rows_of_what_to_change() -> None:
+    """A load that is missing is a thing to change; the files that nobody asked for are not."""
+    open_ = [NotJudged("BED_FIT", "no STL is there", "STL", absent=True)]
+    open_ += [NotJudged("LIFT_OFF", "no load is given", "[load]")]
+    page = to_html(replace(made_up(), findings=[], not_judged=open_))
+    change = page.partition('class="change"')[2].partition("</table>")[0]
+    assert "LIFT_OFF" in change and "BED_FIT" not in change
+    assert "BED_FIT (needs STL)" in page
+
+
 def test_no_curve_is_shown_twice() -> None:
     x = np.linspace(0, 360, 1441)
     lift = Plot("Lift", "cam angle, deg", "mm", [("wanted", x, np.sin(np.radians(x)))])
