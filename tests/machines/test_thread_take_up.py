@@ -714,3 +714,9 @@ def test_a_lever_of_the_same_section_weighs_by_its_length() -> None:
     assert (longer.mass, longer.inertia) == EXACT(
         (2 * bodies["output"].mass, 8 * bodies["output"].inertia)
     )
+
+
+def test_a_screw_of_a_thin_plate_has_one_length() -> None:
+    """1.5 of M3 are 4.5 mm of thread, more than the plate of 4 has: no range from 4 to 4."""
+    (screw,) = (each for each in made().assembly.bought if "screw of the plate" in each.name)
+    assert screw.size.endswith("such as ISO 4762, 4 longer than the board is thick")

@@ -262,8 +262,8 @@ class Bodies:
         if not threads:
             return f"{screw_for(core)}, at most {most:g} into the plate"
         least = min(_THREADED * SCREWS[threads[0]].nominal, most)
-        length = f"{least:g} to {most:g} longer than the board is thick"
-        return f"{screw_for(core)}, such as ISO 4762, {length}"
+        length = f"{least:g}" if least == most else f"{least:g} to {most:g}"
+        return f"{screw_for(core)}, such as ISO 4762, {length} longer than the board is thick"
 
     def _battery_text(self, holder: Battery, volts: float) -> str:
         """What feeds the motor: the holder, its cells, and how long its wires are."""
