@@ -71,7 +71,6 @@ def to_html(report: Report) -> str:
         name=escape(report.name),
         mechanism=escape(report.mechanism),
         version=escape(__version__),
-        verdict=escape(report.verdict),
         outcome=escape(report.outcome + first.asides),
         unjudged=f'<p class="unjudged">NOT JUDGED: {escape(needs)}</p>' if needs else "",
         state=first.state,
