@@ -484,7 +484,7 @@ def _estimate(rows: Sequence[tuple[_Row, float]]) -> str:
     mass, minutes = _amounts(rows)
     if not (mass and minutes):
         return ""
-    time = f"{minutes / 60:.2g} h" if minutes >= 60 else f"{max(minutes, 1):.2g} min"
+    time = f"{rounded(minutes / 60, 2)} h" if minutes >= 60 else f"{max(minutes, 1):.2g} min"
     return f"{rounded(mass, 2)} g, {time}"
 
 
@@ -545,7 +545,7 @@ def _settings(report: Report) -> str:
     less = f"Four walls and 30% infill take less time, and do {do}. " * solid
     return (
         f"Settings: layers of {known['print layer']:.2g} mm, a nozzle of {known['print nozzle']:g} mm, {filled}. "
-        f"With these it takes about {known['print time']:.2g} h at {PRINT_SPEED:g} mm/s. {less}"
+        f"With these it takes about {rounded(known['print time'], 2)} h at {PRINT_SPEED:g} mm/s. {less}"
     )
 
 

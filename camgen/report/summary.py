@@ -224,11 +224,13 @@ def _print_time(report: Report) -> str:
     stand = hours.get("print time stand", 0.0)
     if whole <= _NOTHING:
         return ""
-    of_stand = f"; the stand takes {stand:.2g} h of it, and can be cut from sheet instead"
+    of_stand = (
+        f"; the stand takes {words.rounded(stand, 2)} h of it, and can be cut from sheet instead"
+    )
     infill = hours.get("print infill", 1.0)
     layers = f"in layers of {hours['print layer']:.2g} mm " if "print layer" in hours else ""
     how = f"{layers}at {infill:.0%} infill"
-    return f" (all parts, estimated {whole:.2g} h {how}{of_stand if stand > whole / 2 else ''})"
+    return f" (all parts, estimated {words.rounded(whole, 2)} h {how}{of_stand if stand > whole / 2 else ''})"
 
 
 def _purchases(report: Report) -> str:

@@ -331,6 +331,14 @@ def test_hertz_grows_as_the_root_of_the_force() -> None:
     assert not most.ok and "no limit is published" in most.message
 
 
+def test_the_heat_of_a_bearing_is_told_without_an_exponent() -> None:
+    """At 5000 rpm C, 31.6 x 4 mm, rubs with hundreds of W, less than its greatest pressure times speed allows: 4e+02 is no number
+    for a maker."""
+    (pv,) = found("PV", "thread-take-up")
+    told = re.match(r"(\d+) W of heat at a friction of 0.7; the limit is limits.pv", pv.message)
+    assert told and 100 < float(told[1]) <= 0.7 * pv.measured * 31.6 * 4
+
+
 def test_strap_of_the_needle_machine_asks_for_oil_at_the_papers_speed() -> None:
     paper = "motor.speed_rpm=13000"
     (dry,) = found("PV", "eccentric-drive", paper)

@@ -302,6 +302,14 @@ def test_a_stand_that_takes_most_of_the_printing_is_told(
     assert step.rest == told
 
 
+def test_a_print_of_days_is_told_without_an_exponent(tmp_path: Path) -> None:
+    (tmp_path / "m-plate.3mf").touch()
+    report = Report(
+        "m", "linkage", [], Figures([Figure("print time", 123.4, "h")]), folder=tmp_path
+    )
+    assert "estimated 120 h" in summary(report).steps[-1].rest
+
+
 def headlines(*found: Finding, torque: float = 3.0) -> list[str]:
     """Names of the figures that stand first."""
     figures = Figures([Figure("stroke", 12.0, "mm"), Figure("drive torque", torque, "N m")])

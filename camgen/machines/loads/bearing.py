@@ -99,9 +99,10 @@ class _PlainBearing:
         made, how = "a plastic made for bearings", "dry"
         if self.journal.bush:
             made, how = "a bush of bronze", "with oil or grease"
-        remark = f"{self.slides.power:.2g} W of heat at a friction of {friction:g}"
+        heat = float(f"{self.slides.power:.2g}")
+        remark = f"{heat:g} W of heat at a friction of {friction:g}"
         remark += (
-            f"; limits.pv_mpa_m_s; {made} bears {usual:g} {how}"
+            f"; the limit is limits.pv_mpa_m_s, and {made} bears {usual:g} {how}"
             if limit
             else f". No limit is published for prints of {hole}: this limit is that of a bearing plastic, dry on steel (iglidur "
             "P210). A lower speed, less mass or a longer pin lowers it. With oil the limit is five times as high, and with a metal bush higher "
