@@ -276,7 +276,8 @@ class Mechanism(Spec, ABC):
         """LASH by the clearance of its pins; of no other play."""
         if not pins_alone(self.model):
             return ()
-        run = self.solve(np.linspace(*self.assembly.cycle.range, ANGLES), 1)
+        theta = np.linspace(*self.assembly.cycle.range, ANGLES)
+        run = solve(self.model, theta, 1)  # with the gaps of the joints as they are made
         return of_pins(run, self.assembly.demands)
 
     @abstractmethod

@@ -400,6 +400,16 @@ def test_what_a_key_does_to_the_torque_is_what_a_build_with_it_says(name: str) -
         assert each.measured == pytest.approx(built.measured, rel=1e-6)
 
 
+@pytest.mark.parametrize("name", ["walking-leg", "gallery/flapping-bird"])
+def test_the_play_of_the_design_is_that_of_its_files(name: str, tmp_path: Path) -> None:
+    """Two links on a dowel that is loose in both have its gap twice; files add a chord tolerance at each side of a gap."""
+    spec = SPECS / f"{name}.toml"
+    report = camgen.build(spec, tmp_path, only=["dxf"])
+    (built,) = (each for each in report.findings if each.code == "LASH")
+    found = read_mechanism(spec).free_play()
+    assert max(each.measured for each in found) == pytest.approx(built.measured, rel=1e-3)
+
+
 def test_what_a_roller_presses_with_is_explained_by_its_radius_and_the_width() -> None:
     spec = SPECS / "disc-cam.toml"
     steel = ["material.name=C45", "load.mass_kg=0.3"]
