@@ -520,6 +520,7 @@ class Checked(Record):
     old_words: ClassVar[OldWords] = {}
 
     _hints: tuple[str, ...] = PrivateAttr(())
+    _filled: frozenset[str] = PrivateAttr(frozenset())  # keys of which another table decides a part
 
     @classmethod
     def wording(cls, data: Data) -> Wording:
@@ -760,9 +761,8 @@ def _checked(
     """The tables in the words of today as a record; see `validate`."""
     old, made = like if like is not None and type(like[1]) is cls else ({}, None)
     filled = cls.filled(data)
-    before = cls.filled(old)
-    if before is not old:  # what another table has filled is not taken over
-        old = {key: value for key, value in old.items() if before[key] is value}
+    if made is not None and made._filled:  # what another table has filled is not taken over
+        old = {key: value for key, value in old.items() if key not in made._filled}
     try:
         record = cls.model_validate(_tuples(filled, old, made))
     except ValidationError as error:
@@ -775,6 +775,8 @@ def _checked(
         raise SpecError([*wrong, *_further(cls, data, wrong)]) from None
     _fix(record)
     record._hints = hints
+    if filled is not data:
+        record._filled = frozenset(key for key in filled if filled[key] is not data.get(key))
     if made is None:
         faults = record.faults()
     else:
