@@ -41,9 +41,9 @@ def test_the_tail_of_a_pin_ends_in_what_it_is_glued_in() -> None:
 
 def test_a_shaft_ends_below_the_top_of_what_it_turns() -> None:
     """Drawn 0.5 below it. From the plate's underside up, the linkage's shaft goes through a crank (-0.1), the table's through a spacer of
-    6.9, wheel, spacer and table under general tolerances, together 0.5. What hangs under the plate does not
+    7.9, wheel, spacer and table under general tolerances, together 0.5. What hangs under the plate does not
     count. ISO 2768-m has +-0.1 up to 6, 0.2 up to 30 and 0.3 up to 120; class c 0.2 up to 6 and 0.8 up to 120, and the gap beside the spacer
-    bears 0.2: 0.8 of the table's."""
+    bears 0.2, with a gap of 1: 0.8 of the table's."""
     _, found = facts("linkage", *LINKAGE)
     assert found["shaft"].length_limits == "0/-0.3"
     _, found = facts("gallery/geneva-table", *TABLE)
@@ -51,7 +51,9 @@ def test_a_shaft_ends_below_the_top_of_what_it_turns() -> None:
     assert {found[name].thinner for name in layers} == {0.0}
     assert found["shaft-table"].length_limits == found["shaft"].length_limits == "0/-0.3"
     assert found["pin-1"].length_limits == ""  # a dowel, as it is sold
-    _, coarse = facts("gallery/geneva-table", *TABLE, "drawing.tolerance=ISO 2768-c")
+    _, coarse = facts(
+        "gallery/geneva-table", *TABLE, "geneva.0.gap=1", "drawing.tolerance=ISO 2768-c"
+    )
     assert coarse["spacer-1"].thinner == 0.2
     assert coarse["shaft-table"].length_limits == "-0.3/-1.1"
 

@@ -49,7 +49,7 @@ def test_parts_over_each_other_may_be_thinner_by_a_share_of_their_gap(
 
 
 def test_the_table_of_the_starter_needs_no_limits_of_thickness() -> None:
-    """Its wheel is 1 mm over its crank, and its table, over three parts, 1.2 mm over the cap, which is over three: at the general
+    """Its wheel is 2 mm over its crank, and its table, over three parts, 2.2 mm over the cap, which is over three: at the general
     tolerance of 0.1, or 0.2 over 6 mm, no part asks for a limit, and none meets another."""
     machine = read_mechanism(
         SPECS / "gallery" / "geneva-table.toml", starters.METAL["geneva-table"]
@@ -68,6 +68,11 @@ def test_the_table_of_the_starter_needs_no_limits_of_thickness() -> None:
     assert under_table - over_cap > 0.3
     under_wheel = 0.1 + parts["spacer-1"] - general("spacer-1") + 0.1
     assert under_wheel - (0.1 + parts["crank"] + general("crank")) > 0.6
+
+    # on a bush 10 h13 long that is flush below, over a dowel of 18 on a plate of 10 +0.2, the table's rim lower by the play of its bore
+    lowest = 10 - 0.22 + sum(parts[name] - general(name) + 0.2 for name in axis[:2])
+    lowest += parts["spacer-2"] - general("spacer-2") - 0.3
+    assert lowest - (10 + 0.2 + 0.1 + 18 + dowel_excess(18.0)) > 0.3
 
 
 def test_no_gap_closes_where_thicknesses_are_at_their_limits() -> None:
