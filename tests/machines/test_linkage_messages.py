@@ -32,8 +32,8 @@ def four_bar(root: Path) -> dict[str, Any]:
 @pytest.mark.parametrize(
     ("place", "right"),
     [
-        ([20, 5, 0], "write [20.5, 0] or [20, 5.0]"),
-        ([-20, 5, 0], "write [-20.5, 0] or [-20, 5.0]"),
+        ([20, 5, 0], "write [20, 5], or with decimal points [20.5, 0] or [20, 5.0]"),
+        ([-20, 5, 0], "write [-20, 5], or with decimal points [-20.5, 0] or [-20, 5.0]"),
         ([1, 2, 3, 4], "a list of 2, each a number >= -1000000 and <= 1000000"),
         ([1.5, 2, 3], "a list of 2, each a number"),
     ],

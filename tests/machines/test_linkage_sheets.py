@@ -32,7 +32,7 @@ TOOLS = (
     "vice",
     "block",
 )
-SUPPLIES = ("oil", "sheets of paper", "two-part glue")
+SUPPLIES = ("oil", "alcohol", "sheets of paper", "two-part glue")
 
 
 @pytest.fixture(scope="module")

@@ -162,7 +162,9 @@ OTHERS = {
     "no_use",
     "unused_faults",
     "hardened",
-}  # what gives another machine, some of its limits, its spec, a model with its masses, keys of no use to it, whether it has a case
+    "filled",
+}  # what gives another machine, some of its limits, its spec, a model with its masses, keys of no use to it, whether it has a case,
+# its tables with what one decides in another
 
 
 def test_a_mechanism_answers_a_dozen_questions() -> None:

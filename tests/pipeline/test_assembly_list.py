@@ -59,7 +59,7 @@ def test_an_item_names_its_drawing_or_its_whole_designation() -> None:
     assert items["Driver crank"].material == "C45"
     assert items["Pin 1"].designation == "dowel ISO 8734, 5 m6 x 18, pressed and glued in"
     assert items["Pin 1"].material == "bought"
-    assert items["Shaft"].designation.startswith("shaft-drawing: rod 10 f7 x 37.6, keyway 3 wide")
+    assert items["Shaft"].designation.startswith("shaft-drawing: rod 10 f7 x 38.6, keyway 3 wide")
     assert items["parallel key"].designation == "3 x 3 x 6, DIN 6885 form A"
     cam = machine("metal disc-cam")
     items = {item.what: item for item, _ in items_of(cam, parts_table(cam))}

@@ -259,13 +259,13 @@ def found_face(texts: list[str]) -> str:
 def test_a_lock_clears_its_hollows_at_the_limits_of_all_sheets(tmp_path: Path) -> None:
     """Of the starter in metal: hollows and lock are 0.14 apart, less 0.015 each off their bores, 0.015 of the plate's second bore and 0.015
     of each bush. A part's bore is at most 0.015 too wide [H7], its shaft at least 0.013 thinner than the bush [f7 in H8]; a bore of the plate leans by
-    0.02 over 10, and the lock's upper face, at 10 + 0.1 + 6 + 7, is 18.1 over its middle: so far up the shaft gives way by 3.62 times
+    0.02 over 10, and the lock's upper face, at 10 + 0.1 + 6 + 8, is 19.1 over its middle: so far up the shaft gives way by 3.82 times
     half its play. At the other limits the gap is 0.06 wider and half of both plays, 0.022 + 0.028 each."""
     metal = starters.METAL["geneva-table"]
     mechanism, found = facts("gallery/geneva-table", *metal)
     limits = found["lock-crank_to_table"].lock
     assert limits is not None
-    off = 0.015 / 2 + 0.013 / 2 + 0.02 * 1.81 - 3.62 * 0.013 / 2
+    off = 0.015 / 2 + 0.013 / 2 + 0.02 * 1.91 - 3.82 * 0.013 / 2
     assert limits.least == pytest.approx(0.14 - 5 * 0.015 - 2 * off, abs=1e-9) and limits.least > 0
     wheel = mechanism.assembly.by_name["geneva-crank_to_table"].region.outer
     rim = math.hypot(70 * math.cos(math.pi / 6), 5)
@@ -767,12 +767,12 @@ def test_shafts_of_metal_run_in_bushes_whose_work_is_judged() -> None:
 
 
 def test_a_roller_reaches_down_to_its_crank_where_the_wheel_lies_higher() -> None:
-    """By hand: plate of 10, a play of 0.1, crank of 6, a gap of 1, wheel of 6: the roller is 6.9 high, from 16.2 to 23.1."""
+    """By hand: plate of 10, a play of 0.1, crank of 6, a gap of 2, wheel of 6: the roller is 7.9 high, from 16.2 to 24.1."""
     mechanism, _ = facts("gallery/geneva-table", *starters.METAL["geneva-table"])
     name = "roller-crank_to_table"
     roller = mechanism.assembly.by_name[name]
     (mount,) = (each for each in mechanism.assembly.mounts if each.part == name)
-    assert roller.thickness == pytest.approx(6.9)
+    assert roller.thickness == pytest.approx(7.9)
     assert mount.z == pytest.approx(16.2)
 
 
