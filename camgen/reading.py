@@ -402,7 +402,7 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
     if line.startswith("[") and (
         inline := _line_of(rf"[ \t]*{re.escape(name)}\s*(?:\.|=\s*[\[{{])", above)
     ):
-        return f"its keys beside those in line {inline}, where {name} begins; or all of them here"
+        return _going_on(name, inline, above.splitlines()[inline - 1].strip())
     if reason == "Cannot overwrite a value" and line.startswith("["):
         table, _, key = name.rpartition(".")
         header = re.search(rf"(?m)^[ \t]*\[\s*{re.escape(table)}\s*\]", above)
@@ -416,6 +416,17 @@ def _syntax_in_words(line: str, reason: str, above: str) -> str:
         if first:
             return f"{key} once: it stands in line {first} too"
     return f"valid TOML: {reason}"
+
+
+def _going_on(name: str, number: int, begun: str) -> str:
+    """How a table that a line has begun goes on: a list, a table in braces, or a key with a dot."""
+    if re.match(rf"{re.escape(name)}\s*=\s*\[", begun):
+        return f"a row {{ ... }} more in the list {name}, which begins in line {number}; or all of its rows here, as [[{name}]]"
+    if re.match(rf"{re.escape(name)}\s*=", begun):
+        return (
+            f"its keys within the braces in line {number}, where {name} begins; or all of them here"
+        )
+    return f"its keys as {name}.KEY = ... under line {number}, where {name} begins; or all of them here"
 
 
 def _line_of(form: str, text: str, start: int = 0) -> int:

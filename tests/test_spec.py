@@ -300,11 +300,15 @@ def test_a_key_that_stands_twice_is_told_with_its_first_line(tmp_path: Path) -> 
         ("side.left = 1\nside = 2", "valid TOML: Cannot overwrite a value"),
         (
             "side.left = 1\n[side]",
-            "its keys beside those in line 1, where side begins; or all of them here",
+            "its keys as side.KEY = ... under line 1, where side begins; or all of them here",
         ),
         (
             "a = 1\nside = [{ b = 2 }]\n[[side]]",
-            "its keys beside those in line 2, where side begins; or all of them here",
+            "a row { ... } more in the list side, which begins in line 2; or all of its rows here, as [[side]]",
+        ),
+        (
+            "side = { b = 2 }\n[side]",
+            "its keys within the braces in line 1, where side begins; or all of them here",
         ),
     ],
 )

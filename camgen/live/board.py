@@ -443,9 +443,10 @@ def _motion(linkage: Linkage | None, points: Any = None, lengths: Any = None) ->
     if not closed[0]:
         reason = "it does not close as drawn: lengths and places contradict each other"
         return {"start": None, "paths": {}, "reason": reason}
+    gap = complex(math.nan, math.nan)
     return {
         "start": {name: [z[0].real, z[0].imag] for name, z in found.items()},
-        "paths": {name: _flat(np.where(closed[1:], z[1:], np.nan)) for name, z in found.items()},
+        "paths": {name: _flat(np.where(closed[1:], z[1:], gap)) for name, z in found.items()},
         "reason": ""
         if closed.all()
         else _GAPS.replace("PERCENT", f"{100 * closed[1:].mean():.0f}"),
