@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from copy import deepcopy
 from functools import reduce
+from itertools import groupby
 from operator import getitem
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -138,10 +139,27 @@ def in_metal(name: str) -> str:
     from camgen import metal_comments
     from camgen.edits import edited
 
-    whole = edited(text(name), METAL[name])
+    whole = edited(_opened(text(name), METAL[name]), METAL[name])
     for words in _OF_PRINTS:
         whole = whole.replace(f"\n{words}  ", f"\n# {words}")
     return metal_comments.in_metal(whole)
+
+
+def _opened(whole: str, settings: Sequence[str]) -> str:
+    """The text with tables that are behind a #, and their keys that are set, so no longer: values stand where they are explained."""
+    lines = whole.splitlines(keepends=True)
+    for table, keys in groupby(
+        sorted(settings), lambda each: each.partition("=")[0].rpartition(".")[0]
+    ):
+        header = f"# [{table}] "
+        first = next((k for k, line in enumerate(lines) if line.startswith(header)), len(lines))
+        own = [f"# {each.partition('=')[0].rpartition('.')[2]} = " for each in keys]
+        for k, line in enumerate(lines[first:], first):
+            if not line.strip():
+                break
+            if k == first or line.startswith(tuple(own)):
+                lines[k] = line[2:].replace(" #", "   #", 1)
+    return "".join(lines)
 
 
 def short(whole: str) -> str:

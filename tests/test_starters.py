@@ -258,6 +258,13 @@ def test_a_short_starter_is_the_same_machine(name: str) -> None:
     assert len(list(filter(None, lines))) <= len(keys)
 
 
+@pytest.mark.parametrize("name", starters.METAL)
+def test_a_metal_starter_has_each_table_once_with_its_comment(name: str) -> None:
+    """What is set stands where it is explained, not at the end beside a table that is still behind a #."""
+    tables = re.findall(r"(?m)^(?:# )?\[([\w.]+)\]", starters.in_metal(name))
+    assert tables and len(tables) == len(set(tables))
+
+
 def test_the_shortest_way_to_a_cam_has_some_fifteen_lines() -> None:
     assert len(starters.short(starters.text("disc-cam")).splitlines()) == 16
 
