@@ -301,7 +301,9 @@ FLAT = """(async () => {
   for (let k = 0; k < 300 && !document.querySelector(".bench:not([hidden])"); k++) await wait(50);
   bench.closest(".bench").scrollIntoView();
   for (let k = 0; k < 300 && !document.getElementById("count").value; k++) await wait(50);
+  const turned = new Promise(done => addEventListener("hashchange", done, { once: true }));  // it scrolls to the bench
   location.hash = "#step=" + document.getElementById("seek").max;  // the first ones may be lists, without a picture
+  await turned;
   for (let k = 0; k < 300 && !bench.dataset.drawn; k++) await wait(50);
   document.querySelector(".steps details").open = true;
   const small = document.querySelector(".steps .small");
@@ -309,6 +311,7 @@ FLAT = """(async () => {
   for (let k = 0; k < 300 && !small.dataset.seen; k++) await wait(50);
   await wait(200);
   const ink = canvas => canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.filter((value, k) => k % 4 == 3 && value > 0).length;
+  for (let k = 0; k < 100 && !(ink(bench) && ink(small)); k++) await wait(50);  // it draws slowly
   return [ink(bench), ink(small), document.querySelector(".steps .flat")?.textContent || ""];
 })()"""
 
