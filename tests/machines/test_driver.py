@@ -220,6 +220,7 @@ def test_a_motor_turns_the_crank_under_its_bracket() -> None:
     spec = design(
         driver={"offset": 8.0},
         parts={"make": "printed", "motor": "nema-17", "shaft_diameter": 5.0},
+        motor={"model": "17HS19-2004S1"},
     )
     assert (
         len(next(part for part in spec.assembly.parts if part.name == "bracket").layers) == 2
